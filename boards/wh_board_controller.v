@@ -121,6 +121,8 @@ module wh_board_controller #(
         .WALLS           (`WH_BOARD_WALLS), \
         .DELAY_LOG2      (`WH_BOARD_DELAY_LOG2), \
         .MODES           (`WH_BOARD_MODES), \
+        .ADC             (`WH_BOARD_ADC), \
+        .OSR             (`WH_BOARD_OSR), \
         .MIN_PULSE       (`WH_BOARD_SHORTEST), \
         .SHAPER          (`WH_BOARD_SHAPER), \
         .ZERO_LOG2       (ZERO_LOG2), \

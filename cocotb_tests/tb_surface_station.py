@@ -7,6 +7,7 @@ The model is :mod:`wavehaptics.controller.surfaces`. The sums of energy are the 
 from __future__ import annotations
 
 import math
+import os
 import random
 from collections import Counter
 from collections.abc import Iterable
@@ -22,7 +23,8 @@ from wavehaptics.words import formats
 
 PORTS = parameters().get("PORTS") or parameters()["N"]
 SURFACES = parameters()["SURFACES"]
-ROUNDS = 20000 if "Verilator" in cocotb.SIM_NAME else 400
+ROUNDS = int(os.environ.get("WH_ROUNDS", 20000 if "Verilator" in cocotb.SIM_NAME else 400))
+"""Random rounds; as many as you like with WH_ROUNDS, which is the soak of docs/reliability.md."""
 ONE = 1 << formats.SURFACE.fraction
 MIX_ONE = 1 << formats.MIX.fraction
 WAVE_MAX, WAVE_MIN = formats.WAVE.raw_max, formats.WAVE.raw_min
@@ -265,7 +267,7 @@ async def run_rounds(
     return acting
 
 
-@cocotb.test(timeout_time=4000, timeout_unit="ms")
+@cocotb.test(timeout_time=max(4000, ROUNDS // 50), timeout_unit="ms")
 async def random_rounds(dut: object) -> None:
     """Rounds of which each wave is compared."""
     seen = await run_rounds(SurfacesBench(dut), random_source("rounds"), ROUNDS, 50)

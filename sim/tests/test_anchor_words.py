@@ -95,3 +95,17 @@ def test_the_offset_stays_in_its_word(side: int) -> None:
         assert side * state[anchor.OFFSET] >= before
         before = side * int(state[anchor.OFFSET])
     assert before * formats.CURRENT.step == pytest.approx(48.0, abs=1e-5)  # 72 A are no word
+
+
+@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize("ago", range(5))
+def test_only_a_motor_whose_edge_began_the_contact_knows_where_it_is(side: int, ago: int) -> None:
+    """A quarter of a count in its direction; the others of a surface begin in a count's middle."""
+    state, words = anchor.new_state(), settings()
+    position = 0
+    for tick in range(10):
+        position += side if tick == 9 - ago else 0
+        contact = tick == 9
+        anchor.anchor_step(state, words, position, contact, 0, 0, 0, 0, 0, False)
+    known = ago < anchor.FRESH_TICKS
+    assert state[anchor.FLUX] == (side * COUNT // 4 if known else 0)

@@ -186,11 +186,10 @@ def assert_quiet(pins: dict[str, int]) -> None:
     assert pins["apart"] <= APART * pins["clocks"]
 
 
-def as_its_sources(name: str, tools: Toolchain) -> Build:
+def as_its_sources(board: Board, tools: Toolchain) -> Build:
     """A board's placed netlist, which is its sources at each clock of all pins."""
-    board = load_board(name)
     # In a folder of its own: other tests make the board's bitstream anew.
-    out = synthesis.OUT / f"{name}-simulated"
+    out = synthesis.OUT / f"{board.made}-simulated"
     synthesis.build_board(board, tools, out=out)
     netlist = build(board, tools, synth=out)
     reports = shown(netlist)
@@ -210,7 +209,7 @@ def test_what_is_flashed_for_a_brushless_motor(tools):
     R̂ and the drive's gain are off, and the sensors' zero, which is measured before the gates go on.
     In a tap, before c has learned what R̂ lacks of R, the spring is between those of the two.
     """
-    netlist = as_its_sources("ulx3s_brushless", tools)
+    netlist = as_its_sources(load_board("ulx3s_brushless"), tools)
     board = netlist.board
     motor, ports = board.scene.motor, board.words().ports
     timing, words = ports.timing, ports.settings
@@ -231,10 +230,14 @@ def test_what_is_flashed_for_a_brushless_motor(tools):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("name", ["icebreaker", "ulx3s", "ulx3s_three", "hx8k"])
+@pytest.mark.parametrize(
+    "name", ["icebreaker", "ulx3s", "ulx3s_three", "hx8k", "ulx3s/sigma_delta.toml"]
+)
 def test_what_is_flashed(name, tools):
     """The placed netlist is its sources at each clock of all pins, and does what they promise."""
-    netlist = as_its_sources(name, tools)
+    name, _, scene = name.partition("/")
+    path = ROOT / "boards" / name / scene if scene else None
+    netlist = as_its_sources(load_board(name, scene_path=path), tools)
     board = netlist.board
     assert board.scene.controller.anchored, "a bridge's dead time alone takes a plain wall away"
     taps(netlist)
@@ -368,7 +371,7 @@ def test_a_bitstream_of_other_settings_is_refused(tmp_path, tools):
         build(moved, tools)
     (folder / f"{board.name}{synthesis.PLACED_NETLIST}").write_text("{}")
     (folder / "wh_board_settings.vh").write_text("`define WH_BOARD_N 1\n")
-    with pytest.raises(BoardError, match="other settings than boards/icebreaker's"):
+    with pytest.raises(BoardError, match=r"settings than those of boards/icebreaker/board\.toml"):
         build(moved, tools)
 
 

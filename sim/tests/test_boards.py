@@ -26,7 +26,7 @@ from wavehaptics.fpga.board_words import board_words, hardware, verilog_header
 from wavehaptics.fpga.boards import Board, BoardError, board_names, load_board
 from wavehaptics.ladder.brushless import magnet_words
 from wavehaptics.ladder.run import measure
-from wavehaptics.parts.adcs import PARTS, frame
+from wavehaptics.parts.adcs import MODULATORS, PARTS, frame, modulator_frame
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.runtime.toolchain import Toolchain, ToolError
 from wavehaptics.scene import SceneError, load_scene
@@ -565,6 +565,67 @@ def test_the_amplifier_follows_in_every_pattern(mode):
     """It holds its output after each edge, and a wall is as stiff as it should be."""
     overrides = ["scene.duration_s=0.15", f"drive.mode={mode}"]
     scene = load_scene(ROOT / "boards" / "ulx3s" / "patterns.toml", overrides)
+    found = measure(scene, "pins", compare=False)
+    assert "faults" not in found
+    assert found["anchor_fault_s"] is None
+    assert found["stiffness"] > 0.9 * found["stiffness_predicted"]
+
+
+def sigma_delta(root: Path = ROOT) -> Board:
+    scene = root / "boards" / "ulx3s" / "sigma_delta.toml"
+    return load_board("ulx3s", root=root, scene_path=scene)
+
+
+def test_a_scene_has_the_boards_modulator_in_the_place_of_its_adc():
+    """Its own full scale, trip and zero; whoever names none of them has the ADC."""
+    board, plain = sigma_delta(), load_board("ulx3s")
+    synthesis.check_board(board)
+    made, time = board.words(), board.words().ports.timing
+    assert (hardware(made)["ADC"], hardware(made)["OSR"]) == (2, 21)
+    assert hardware(plain.words())["ADC"] == 0
+    assert time.frame == modulator_frame(MODULATORS["AMC1306M25"], 70e6, 168, pad_registers=True)
+    assert time.samples * time.frame.osr * time.frame.bit_clocks == time.tick_clocks
+    assert board.sense.full_scale_a == pytest.approx(3.2)
+    assert board.sense.clip_a == pytest.approx(2.5)
+    assert made.words["trip"] == round(2.0 / 3.2 * 2**15)
+    assert board.adc_lines == plain.adc_lines
+    assert (plain.sense, plain.converter) == (plain.fpga.sense, PARTS["AD7276"])
+
+
+@pytest.mark.parametrize(
+    ("file", "was", "now", "problem"),
+    [
+        ("sigma_delta.toml", "full_scale_a = 3.2", "full_scale_a = 2.5",
+         "adc.full_scale_a is 2.5 A, but 100 mΩ and the AMC1306M25 make 3.2 A; set it so, or "
+         "change [modulator] in"),
+        ("sigma_delta.toml", '"AMC1306M25"', '"AD7403"', "the board's ADC is an AD7276; set"),
+        ("sigma_delta.toml", "tick_hz = 416666.6666666667", "tick_hz = 411764.70588235295",
+         "not a whole number of bits of 4 clocks"),
+        ("fpga.toml", 'part = "AMC1306M25"', 'part = "AMC"',
+         "modulator.part = 'AMC' is not known; AMC1306M25, AD7403 are"),
+        ("fpga.toml", "shunt_ohm = 0.1\ntrip_a = 2.0", "shunt_ohm = 0.1\ntrip_a = 2.6",
+         "sense.trip_a is 2.6 A, but the AMC1306M25 clips at 2.5 A"),
+        ("fpga.toml", "[modulator]", "[modulator]\ngain = 2.0",
+         "modulator.gain is no key of a board; did you mean"),
+    ],
+)  # fmt: skip
+def test_what_a_modulator_cant_have_is_refused(tmp_path, file, was, now, problem):
+    for name in ("boards", "constraints", "rtl"):
+        shutil.copytree(ROOT / name, tmp_path / name)
+    path = tmp_path / "boards" / "ulx3s" / file
+    text = path.read_text()
+    assert was in text
+    path.write_text(text.replace(was, now))
+    with pytest.raises((BoardError, SceneError), match=re.escape(problem)):
+        synthesis.check_board(sigma_delta(tmp_path))
+
+
+def test_a_wall_of_a_modulators_words():
+    """On `pins`, with its bits and a switching bridge, as stiff as it should be."""
+    scene = load_scene(
+        ROOT / "boards" / "ulx3s" / "sigma_delta.toml",
+        ["scene.duration_s=0.15", "adc.noise_a=1e-3"],
+    )
     found = measure(scene, "pins", compare=False)
     assert "faults" not in found
     assert found["anchor_fault_s"] is None

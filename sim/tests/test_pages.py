@@ -71,9 +71,10 @@ def test_status_knows_what_the_boards_have():
     assert rows <= set(known)
     given = {name for of_board in options.values() for name in of_board}
     # Sizes, and what changes no word.
-    assert given - {"WALLS", "DELAY_LOG2", "SHARED"} <= rows
+    assert given - {"WALLS", "DELAY_LOG2", "SHARED", "OSR"} <= rows
     scenes = design.options_of_boards(scenes=True)
     assert scenes["boards/ulx3s/patterns.toml"]["MODES"] == 1 > options["ulx3s"]["MODES"]
+    assert scenes["boards/ulx3s/sigma_delta.toml"]["ADC"] == 2 > options["ulx3s"]["ADC"] == 0
     assert options["ulx3s_brushless"]["SENSE"] == options["ulx3s_brushless"]["ANCHOR"] == 1
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 import re
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,7 @@ from wavehaptics.fpga.boards import Board, BoardError, board_names, load_board
 from wavehaptics.ladder.brushless_pins import BrushlessPinsSimulation
 from wavehaptics.ladder.pins import PinsSimulation
 from wavehaptics.ladder.run import CONTROLLERS, measure
-from wavehaptics.parts.adcs import MODULATORS, PARTS, PartError, frame
+from wavehaptics.parts.adcs import MODULATORS, PARTS, PartError, frame, modulator_frame
 from wavehaptics.parts.sensing import sensing_parts
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.scene import load_scene
@@ -368,6 +369,26 @@ def test_registers_in_the_pads_leave_the_data_sheets_times():
     found = budget(ecp5_delays(), "25k", 70e6, pads=True)
     assert found.registered
     assert found.margin_ns == pytest.approx(2e3 / 70 - 4.1 - 1.2 - 15 - 0.85, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("clock_hz", "pads", "clocks"),
+    [(70e6, True, 4), (70e6, False, 2), (40e6, False, 1), (40e6, True, 1), (100e6, True, 1)],
+)
+def test_a_modulators_bit_is_taken_where_its_clock_falls(clock_hz, pads, clocks):
+    """In whole clocks after its rise at the pad, or with registers there two sooner."""
+    part = MODULATORS["AMC1306M25"]
+    made = modulator_frame(part, clock_hz, 12 * 20, pads)
+    delays = ecp5_delays(registered=pads)
+    found = partial(adc_budget, delays, "25k", "ecp5", part, made, clock_hz, 0.6e-9, ["adc_sdata"])
+    needed_ns = 1e9 * part.access_s + 1.2 + 4.1 + 0.85
+    assert made.taken_clocks == clocks
+    if 1e9 * clocks / clock_hz < needed_ns:
+        with pytest.raises(PadTimingError, match=r"the AMC1306M25's bits come .* too late"):
+            found()
+    else:
+        assert found().available_ns == pytest.approx(1e9 * clocks / clock_hz, abs=0.01)
+        assert found().hold_ns == 3.5
 
 
 def test_the_slowest_of_several_pins_of_sclk_counts():

@@ -185,11 +185,13 @@ def sample_lead(made: Frame, pulse_delay: int) -> int:
     A code is held in the middle of the gates' pulse. A modulator's word is of three intervals
     between starts, and its middle one and a half before the start: here is what is left of that
     when the delay of the bits is taken off (``rtl/wh_sinc3.v``; a bit is decided with the clock's
-    rise, taken with its fall, and goes through two registers), in whole periods of its clock.
+    rise, taken with its fall or where registers at the pads have it, and goes through two
+    registers), in whole periods of its clock.
     """
     if not made.osr:
         return CENTRED_LEAD + made.pad_clocks - pulse_delay
-    periods = round(1 + (1 + GATE_CLOCKS + pulse_delay) / made.bit_clocks)
+    late = made.taken_clocks - made.sclk_half_clocks + made.pad_clocks
+    periods = round(1 + (late + 1 + GATE_CLOCKS + pulse_delay) / made.bit_clocks)
     return made.cycle_clocks // 2 - periods * made.bit_clocks
 
 

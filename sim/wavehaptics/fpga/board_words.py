@@ -20,7 +20,7 @@ from wavehaptics.controller.ports import Ports, controller_ports
 from wavehaptics.controller.tick_layout import FrameAt
 from wavehaptics.ladder.abilities import refuse
 from wavehaptics.ladder.brushless import magnet_words
-from wavehaptics.parts.adcs import KINDS, Frame, Part, frame
+from wavehaptics.parts.adcs import KINDS, Frame, Modulator, Part, frame, modulator_frame
 from wavehaptics.scene import Scene
 from wavehaptics.words import formats
 from wavehaptics.words.bridge_modes import LOCKED, MODE_WORDS, SIGN_MAGNITUDE, UNIPOLAR
@@ -30,6 +30,9 @@ from wavehaptics.words.table import AXES, LEGS, THREE_PHASE_LEGS, WORDS, Sizes, 
 
 ZERO_A = 0.1
 """Offset of the current beyond which a board's sensor isn't what the scene says."""
+
+UNUSED_OSR = 32
+"""Of a board without a modulator; any that the RTL takes."""
 
 ALIVE_S = 4e-6
 """Period of several motors in which ``alive`` changes twice when it is longer: the pump's."""
@@ -128,7 +131,7 @@ def turns_of(motors: int, legs: int, *, linked: bool) -> int:
 
 
 def board_words(
-    scene: Scene, part: Part | None, motors: int = 1, *, guarded: bool = False,
+    scene: Scene, part: Part | Modulator | None, motors: int = 1, *, guarded: bool = False,
     pad_registers: bool = False, trip_a: float | None = None, zero_a: float = ZERO_A,
     delay_log2: int = 1, linked: bool = False, capture: int = 0,
     stream: bool = False, legs: int = LEGS, shared: bool = False,
@@ -159,7 +162,7 @@ def board_words(
         )
     frame_at: FrameAt | None = None
     if part is not None:
-        frame_at = partial(_part_frame, part, pad_registers)
+        frame_at = partial(part_frame, part, pad_registers)
     turns = turns_of(motors, legs, linked=linked)
     ports = controller_ports(scene, frame_at, turns=turns, surfaces=surfaces)
     if shared:
@@ -191,17 +194,21 @@ def board_words(
     )  # fmt: skip
 
 
-def _part_frame(part: Part, pad_registers: bool, clock_hz: float, _: int) -> Frame:
-    """The part's frame on a clock, whatever the clocks between two samples."""
+def part_frame(
+    part: Part | Modulator, pad_registers: bool, clock_hz: float, tick_clocks: int
+) -> Frame:
+    """The frame of a board's converter on a clock."""
+    if isinstance(part, Modulator):
+        return modulator_frame(part, clock_hz, tick_clocks, pad_registers)
     return frame(part, clock_hz, pad_registers)
 
 
-def _check_part(scene: Scene, part: Part) -> None:
+def _check_part(scene: Scene, part: Part | Modulator) -> None:
     """:class:`SceneError` where the scene's ADC isn't the board's."""
+    if scene.adc is not None and scene.adc.part not in (None, part.name):
+        raise scene.refusal(f"the board's ADC is an {part.name}; set adc.part so", "adc.part")
     if scene.adc is None or scene.adc.bits != part.bits:
         raise scene.refusal(f"the board's ADC has {part.bits} bits; set adc.bits so", "adc.bits")
-    if scene.adc.part not in (None, part.name):
-        raise scene.refusal(f"the board's ADC is an {part.name}; set adc.part so", "adc.part")
 
 
 def _check_shared(scene: Scene, ports: Ports) -> None:
@@ -305,6 +312,8 @@ def hardware(board: BoardWords) -> dict[str, int]:
         "AXES": made["AXES"],
         "WALLS": made["WALLS"],
         "MODES": made["MODES"],
+        "ADC": made["ADC"],
+        "OSR": made.get("OSR", UNUSED_OSR),
         "SHORTEST": made["MIN_PULSE"],
         "DELAY_LOG2": made["DELAY_LOG2"],
         "SHAPER": made["SHAPER"],

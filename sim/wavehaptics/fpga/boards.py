@@ -23,7 +23,7 @@ from wavehaptics.fpga.board_words import (
     memory_header,
     verilog_header,
 )
-from wavehaptics.parts.adcs import PARTS
+from wavehaptics.parts.adcs import MODULATORS, PARTS, Modulator, Part
 from wavehaptics.runtime.files import write_text
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.runtime.toml_source import TomlError, dotted, parse
@@ -95,8 +95,37 @@ class Sense(_Table):
         return (0.5 * self.supply_v - self.swing_v) / (self.shunt_ohm * self.gain)
 
 
+class Modulated(_Table):
+    """A sigma-delta modulator on a shunt of its own, in the place of amplifier and ADC.
+
+    The current is :class:`Sense`'s in all else.
+    """
+
+    part: str
+    shunt_ohm: float = Field(gt=0)
+    trip_a: float = Field(gt=0)
+    zero_a: float = Field(gt=0)
+
+    @property
+    def amplifier(self) -> str:
+        """The modulator, by which ``boards/sensing.toml`` knows it."""
+        return self.part
+
+    @property
+    def full_scale_a(self) -> float:
+        """Current at which all bits are ones."""
+        return MODULATORS[self.part].full_scale_v / self.shunt_ohm
+
+    @property
+    def clip_a(self) -> float:
+        """Current up to which the words are right."""
+        return MODULATORS[self.part].linear * self.full_scale_a
+
+
 class Fpga(_Table):
     """What ``fpga.toml`` holds.
+
+    ``modulator`` is there for a scene whose ``adc.part`` is its.
 
     ``wiring`` names a power board that has a table of parts of its own. ``make synth``, and so a
     release, leaves out a board that is made ``on_demand``.
@@ -129,6 +158,7 @@ class Fpga(_Table):
     flash: list[str] = Field(min_length=1)
     bridge: Bridge
     sense: Sense
+    modulator: Modulated | None = None
     free: list[str] = Field(default_factory=list)
     taken: dict[str, str] = Field(default_factory=dict)
     bank_v: dict[str, float] = Field(default_factory=dict)
@@ -188,6 +218,19 @@ class Board:
         return self.fpga.legs == THREE_PHASE_LEGS
 
     @property
+    def sense(self) -> Sense | Modulated:
+        """What the current comes through: a modulator where the scene names that of the board."""
+        modulator, adc = self.fpga.modulator, self.scene.adc
+        modulated = modulator is not None and adc is not None and adc.part == modulator.part
+        return modulator if modulator is not None and modulated else self.fpga.sense
+
+    @property
+    def converter(self) -> Part | Modulator:
+        """What makes words of the current."""
+        sense = self.sense
+        return MODULATORS[sense.part] if isinstance(sense, Modulated) else PARTS[self.fpga.adc]
+
+    @property
     def adc_lines(self) -> list[str]:
         """Ports of the top at which the converters' bits come in."""
         lines = self.fpga.motors * (AXES if self.brushless else 1)
@@ -202,9 +245,9 @@ class Board:
     def words(self) -> BoardWords:
         """Words of the controller's settings; :class:`SceneError` where the board can't do them."""
         return board_words(
-            self.scene, PARTS[self.fpga.adc], self.fpga.motors, guarded=self.fpga.guard,
-            pad_registers=self.fpga.pad_registers, trip_a=self.fpga.sense.trip_a,
-            zero_a=self.fpga.sense.zero_a, delay_log2=_DELAY_LOG2[self.fpga.family],
+            self.scene, self.converter, self.fpga.motors, guarded=self.fpga.guard,
+            pad_registers=self.fpga.pad_registers, trip_a=self.sense.trip_a,
+            zero_a=self.sense.zero_a, delay_log2=_DELAY_LOG2[self.fpga.family],
             linked=self.fpga.link, capture=self.fpga.capture, stream=self.fpga.stream,
             surfaces=self.fpga.surfaces, linked_walls=self.fpga.walls,
             legs=self.fpga.legs, shared=self.fpga.shared_multiplier,
@@ -246,7 +289,9 @@ def _problem(detail: ErrorDetails) -> str:
     path = detail["loc"]
     name = dotted(path)
     if detail["type"] == "extra_forbidden":
-        tables: dict[str, type[_Table]] = {"bridge": Bridge, "sense": Sense}
+        tables: dict[str, type[_Table]] = {
+            "bridge": Bridge, "sense": Sense, "modulator": Modulated,
+        }  # fmt: skip
         table = tables.get(str(path[0]), Fpga) if path[1:] else Fpga
         near = nearest(str(path[-1]), table.model_fields)
         return f"{name} is no key of a board; " + (
@@ -329,6 +374,12 @@ def load_board(
         )
     if fpga.adc not in PARTS:
         raise BoardError(f"{path}: adc = {fpga.adc!r} is not known; {', '.join(PARTS)} are")
+    if fpga.modulator is not None and fpga.modulator.part not in MODULATORS:
+        at = places.of(("modulator", "part"))[1]
+        raise BoardError(
+            f"{at}: modulator.part = {fpga.modulator.part!r} is not known; "
+            f"{', '.join(MODULATORS)} are"
+        )
     device = device or fpga.devices[0]
     if device not in fpga.devices:
         raise BoardError(f"{name} has no device {device!r}; take one of {', '.join(fpga.devices)}")

@@ -369,7 +369,7 @@ def _emit(rows, words, done, kept, pending, floats, ints, buffer):
 
 
 @compiled(inline="always")
-def _level(current, sensor, osr, rng):
+def modulated(current, sensor, osr, rng):
     """Input of a modulator in parts of its full scale; the noise of a bit makes that of a word."""
     if sensor[NOISE] > 0.0:
         current += sensor[NOISE] * np.sqrt(osr / WORD_NOISE) * rng.standard_normal()
@@ -389,7 +389,7 @@ def _follow(
         if changed & pins & 1 << SCLK:
             _catch_up(state, kept, sums, tables, floats, ints, load, sensor, real)
             sensed = _sensed(state, kept[NOW], sensor, real)
-            level = _level(sensed, sensor, ints[OSR], rng)
+            level = modulated(sensed, sensor, ints[OSR], rng)
             kept[SHIFT] = next_bit(bits, level) << 63
     elif changed & (1 << CS_N | 1 << SCLK):
         if changed & 1 << CS_N:

@@ -107,7 +107,8 @@ class Part:
 class Modulator:
     """A sigma-delta modulator, by its data sheet; it answers to its clock's rises.
 
-    ``linear`` is the part of full scale, where it clips, up to which it is linear.
+    ``linear`` is the part of full scale, where it clips, up to which it is linear; full scale is
+    ± ``full_scale_v`` at its input.
     """
 
     name: str
@@ -117,9 +118,10 @@ class Modulator:
     """Least time that the clock is high, and low."""
     access_s: float
     """A rise of the clock to the new bit, most."""
-    hold_s: float
+    data_hold_s: float
     """A rise of the clock to the end of the old bit, least."""
-    linear: float = 250 / 320
+    full_scale_v: float = 0.32
+    linear: float = 0.25 / 0.32
     bits: int = 16
     """Of a word: the filter's, not the modulator's."""
     kind: Kind = "sigma_delta"
@@ -157,6 +159,14 @@ class Frame:
     def unity(self) -> float:
         """Word of full scale, in parts of 2¹⁵."""
         return self.osr**3 / (1 << (self.osr**3 - 1).bit_length()) if self.osr else 1.0
+
+    @property
+    def taken_clocks(self) -> int:
+        """Of a modulator: from the clock's rise at its pad until the bit of it is taken there.
+
+        ``wh_sinc3`` takes one as its clock falls.
+        """
+        return (self.sclk_half_clocks - 2 * self.pad_clocks - 1) % self.bit_clocks + 1
 
     @property
     def cycle_clocks(self) -> int:
@@ -318,8 +328,13 @@ ALL_BITS: dict[str, int] = {name: part.bits for name, part in (PARTS | MODULATOR
 """Bits of the words of every converter that a scene may name."""
 
 
-def modulator_frame(part: Modulator, clock_hz: float, tick_clocks: int) -> Frame:
-    """The modulator at its fastest, and the bits of a word such that whole words fill a tick."""
+def modulator_frame(
+    part: Modulator, clock_hz: float, tick_clocks: int, pad_registers: bool = False
+) -> Frame:
+    """The modulator at its fastest, and the bits of a word such that whole words fill a tick.
+
+    ``pad_registers``: its clock and its bits pass a register each at the pads.
+    """
     half = max(_clocks(0.5 / part.most_hz, clock_hz), _clocks(part.level_s, clock_hz))
     period = 2 * half
     bits = tick_clocks // period
@@ -342,6 +357,7 @@ def modulator_frame(part: Modulator, clock_hz: float, tick_clocks: int) -> Frame
     return Frame(
         sclk_half_clocks=half, frame_bits=part.bits, lead_bits=0, data_bits=part.bits,
         sclk_idle=0, kind="sigma_delta", pipeline=SINC_PIPELINE, osr=osr,
+        pad_clocks=int(pad_registers),
     )  # fmt: skip
 
 

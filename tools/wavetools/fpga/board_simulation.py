@@ -25,12 +25,13 @@ import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from wavehaptics.controller.ports import Ports, controller_ports
-from wavehaptics.fpga.board_words import BoardWords, turns_of
+from wavehaptics.fpga.board_words import BoardWords, part_frame, turns_of
 from wavehaptics.fpga.boards import Board, BoardError
 from wavehaptics.ladder import brushless_pins, pins_loop, verilated
 from wavehaptics.ladder.brushless import magnet_words
@@ -40,7 +41,8 @@ from wavehaptics.ladder.pins import PinsSimulation, wire
 from wavehaptics.motor.brushless import BrushlessPlant
 from wavehaptics.motor.plant import OMEGA, C, P, R, S, X
 from wavehaptics.motor.sensor import NOISE, sample_code
-from wavehaptics.parts.adcs import PARTS, Frame, frame
+from wavehaptics.motor.sigma_delta import next_bit
+from wavehaptics.parts.adcs import Frame, Part
 from wavehaptics.runtime.compiled import compiled_drawing
 from wavehaptics.runtime.files import digest_of, write_text
 from wavehaptics.runtime.native_call import call2
@@ -121,9 +123,9 @@ class Build:
 def board_scene(
     board: Board, settings: Sequence[str] = (), hand: dict[str, Any] | None = None
 ) -> Scene:
-    """The scene of a board's ``board.toml`` with the board's ADC, ``settings`` and another hand."""
-    path = board.root / board.folder / "board.toml"
-    scene = load_scene(path, [f"adc.part={board.fpga.adc}", *settings])
+    """The scene that a board is made for, with its ADC, ``settings`` and another hand."""
+    path = board.scene_path or board.root / board.folder / "board.toml"
+    scene = load_scene(path, [f"adc.part={board.converter.name}", *settings])
     if hand is None:
         return scene
     return scene.model_copy(update={"hand": Hand.model_validate(hand)})
@@ -195,17 +197,20 @@ def build(
 
     :class:`BoardError` where there is no bitstream, or one with other settings than the board's.
     """
-    synth = synth or synthesis.OUT / board.name
+    synth = synth or synthesis.OUT / board.made
     made = synth / f"{board.name}{synthesis.PLACED_NETLIST}"
-    cure = f"run `make bitstream BOARD={board.name}`"
+    scene = f" SCENE={board.scene_file}" if board.scene_path else ""
+    cure = f"run `make bitstream BOARD={board.name}{scene}`"
     if not (board.root / made).is_file():
         raise BoardError(f"{made} is not there; {cure}")
     kept = {name: board.root / synth / name for name in board.headers()}
     if any(not path.is_file() or path.read_text(encoding="utf-8") != board.headers()[name]
            for name, path in kept.items()):  # fmt: skip
-        raise BoardError(f"{synth} was made with other settings than {board.folder}'s; {cure}")
+        raise BoardError(
+            f"{synth} was made with other settings than those of {board.scene_file}; {cure}"
+        )
     what = "placed" if netlist else "sources"
-    folder = OUT / f"{board.name}-{what}"
+    folder = OUT / f"{board.made}-{what}"
     (board.root / folder).mkdir(parents=True, exist_ok=True)
     (top,) = json.loads((board.root / made).read_bytes())["modules"].values()
     ports = {name: port["direction"] for name, port in top["ports"].items()}
@@ -233,12 +238,12 @@ def build(
         *(f"-D{name}={value}" for name, value in board.defines.items()),
         str(SHIMS / "board_shim.cpp"), *map(str, sources),
     ]  # fmt: skip
-    target = verilated.BUILD_DIR / f"{board.name}-{what}-{digest}.so"
+    target = verilated.BUILD_DIR / f"{board.made}-{what}-{digest}.so"
     return Build(board, verilated.verilate(BENCH, arguments, target, covered=False))
 
 
 @compiled_drawing
-def _rest(kept, ints, sensor, rng, clocks):
+def _rest(kept, ints, sensor, rng, bits, clocks):
     """Clock the board with the motor at rest; the clocks until a gate went on, else ``clocks``."""
     data_bits = ints[pins_loop.DATA_BITS]
     for n in range(clocks):
@@ -248,7 +253,11 @@ def _rest(kept, ints, sensor, rng, clocks):
         pins = call2(ints[pins_loop.CLOCK], ints[pins_loop.MODEL], inputs)
         changed = kept[pins_loop.PINS] ^ pins
         kept[pins_loop.PINS] = pins
-        if changed & 1 << pins_loop.CS_N:
+        if ints[pins_loop.OSR]:
+            if changed & pins & 1 << pins_loop.SCLK:
+                level = pins_loop.modulated(0.0, sensor, ints[pins_loop.OSR], rng)
+                kept[pins_loop.SHIFT] = next_bit(bits, level) << 63
+        elif changed & 1 << pins_loop.CS_N:
             if not pins & 1 << pins_loop.CS_N:
                 noise = rng.standard_normal() if sensor[NOISE] > 0.0 else 0.0
                 code = sample_code(0.0, sensor, noise) + (1 << (data_bits - 1))
@@ -275,7 +284,6 @@ class BoardSimulation(PinsSimulation):
     def __init__(self, built: Build, scene: Scene, by_line: bool) -> None:
         self._built = built
         self._by_line = by_line
-        self._part = PARTS[built.board.fpga.adc]
         super().__init__(scene)
         # Of the anchor nothing is seen.
         self._ints[pins_loop.ANCHORED] = 0
@@ -310,7 +318,8 @@ class BoardSimulation(PinsSimulation):
 
     def _rest_for(self, clocks: int) -> bool:
         """Let ``clocks`` pass with the motor at rest; False if the gates went on before."""
-        return _rest(self._kept, self._ints, self._sensor, self._rng, clocks) == clocks
+        passed = _rest(self._kept, self._ints, self._sensor, self._rng, self._bits, clocks)
+        return passed == clocks
 
     @property
     def clock_cycles(self) -> int:
@@ -319,9 +328,9 @@ class BoardSimulation(PinsSimulation):
 
     def _board_ports(self, scene: Scene) -> Ports:
         board = self._built.board
-        fpga, part = board.fpga, self._part
+        fpga = board.fpga
         ports = controller_ports(
-            scene, lambda clock_hz, _: frame(part, clock_hz, fpga.pad_registers),
+            scene, partial(part_frame, board.converter, fpga.pad_registers),
             turns=turns_of(fpga.motors, fpga.legs, linked=fpga.link),
         )  # fmt: skip
         _same_settings(board.words(), scene, ports)
@@ -330,7 +339,8 @@ class BoardSimulation(PinsSimulation):
     def _wire(self, scene: Scene, frame: Frame) -> tuple[int, int]:
         """Of the part itself: it knows nothing of the registers at the board's pads."""
         del scene
-        shift, level = wire(self._part, frame)
+        part = self._built.board.converter
+        shift, level = wire(part if isinstance(part, Part) else None, frame)
         return shift + frame.pad_clocks, level
 
     def _function(self, name: str) -> Any:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from wavehaptics.fpga.board_words import first_values
-from wavehaptics.fpga.boards import Board, BoardError
+from wavehaptics.fpga.boards import Board, BoardError, Sense
 from wavehaptics.parts.sensing import TABLE, sensing_parts
 from wavehaptics.runtime.toml_source import parse
 from wavehaptics.scene.keys import unknown_choice
@@ -54,7 +54,7 @@ def carrier_hz(board: Board) -> float:
 
 def _check_sensing(board: Board) -> None:
     """:class:`BoardError` where the amplifier isn't known, or doesn't follow the carrier."""
-    file, parts, name = f"{board.folder}/fpga.toml", sensing_parts(), board.fpga.sense.amplifier
+    file, parts, name = f"{board.folder}/fpga.toml", sensing_parts(), board.sense.amplifier
     if name not in parts:
         raise BoardError(
             f"{file}: sense.amplifier {unknown_choice(name, parts)}, or enter it "
@@ -109,7 +109,7 @@ def _check_wiring(board: Board) -> None:
     """:class:`BoardError` where the table of what is soldered says otherwise than the board."""
     soldered_ohm, place = _soldered(board, "parts", "R6", "value")
     shunt_ohm = board.fpga.sense.shunt_ohm
-    if abs(soldered_ohm / shunt_ohm - 1) > 1e-6:
+    if board.sense is board.fpga.sense and abs(soldered_ohm / shunt_ohm - 1) > 1e-6:
         raise BoardError(
             f"{board.folder}/fpga.toml: sense.shunt_ohm is {1e3 * shunt_ohm:g} mΩ, but R6 of "
             f"{place} has {1e3 * soldered_ohm:g} mΩ; make both what is soldered"
@@ -161,7 +161,7 @@ def check(board: Board) -> None:
 def _check(board: Board) -> None:
     """Of the one pattern that the scene has."""
     scene_file, file = board.scene_file, f"{board.folder}/fpga.toml"
-    bridge, sense, scene = board.fpga.bridge, board.fpga.sense, board.scene
+    bridge, sense, scene = board.fpga.bridge, board.sense, board.scene
     time = dead_time(board)
     if time.made_s < time.needed_s - _ROUNDING_S:
         raise BoardError(
@@ -180,10 +180,14 @@ def _check(board: Board) -> None:
         )
     full_scale_a = adc.full_scale_a
     if abs(sense.full_scale_a / full_scale_a - 1) > 0.01:
+        made, table = (
+            (f"a gain of {sense.gain:g} at {sense.supply_v:g} V make", "sense")
+            if isinstance(sense, Sense)
+            else (f"the {sense.part} make", "modulator")
+        )
         raise BoardError(
             f"{scene_file}: adc.full_scale_a is {full_scale_a:g} A, but {1e3 * sense.shunt_ohm:g} "
-            f"mΩ and a gain of {sense.gain:g} at {sense.supply_v:g} V make "
-            f"{sense.full_scale_a:.3g} A; set it so, or change [sense] in {file}"
+            f"mΩ and {made} {sense.full_scale_a:.3g} A; set it so, or change [{table}] in {file}"
         )
     if sense.trip_a >= sense.clip_a:
         raise BoardError(

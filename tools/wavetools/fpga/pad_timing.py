@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """From the delays that nextpnr wrote: an ADC's round trip at the pads, and the gates' skew.
 
-A bit is launched by SCLK at the pad, and is read when SCLK's next edge of the kind is made. So one
-period of SCLK holds: clock to pad, the wire there, the converter's access time, the wire back, and
-pad to flip-flop. nextpnr knows the way between flip-flop and pad, not the pad's own buffer, whose
-times are here, each at its slowest.
+A bit is launched by SCLK at the pad, and is read when SCLK's next edge of the kind is made; that of
+a modulator where ``wh_sinc3`` takes it. So a period of SCLK, or that time, holds: clock to pad, the
+wire there, the converter's access time, the wire back, and pad to flip-flop. nextpnr knows the way
+between flip-flop and pad, not the pad's own buffer, whose times are here, each at its slowest.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from wavehaptics.parts.adcs import Frame, Part
+from wavehaptics.parts.adcs import Frame, Modulator, Part
 
 
 class PadTimingError(ValueError):
@@ -181,7 +181,7 @@ class AdcBudget:
 
 
 def adc_budget(
-    delays: Delays, device: str, family: str, part: Part, made: Frame, clock_hz: float,
+    delays: Delays, device: str, family: str, part: Part | Modulator, made: Frame, clock_hz: float,
     wire_s: float, lines: Iterable[str], clocks: Iterable[str] = ("adc_sclk",),
 ) -> AdcBudget:  # fmt: skip
     """The round trip of a placed board's converters.
@@ -202,7 +202,10 @@ def adc_budget(
     back_ns = max(
         times.in_registered if back.registered else back.ns + times.back for back in backs
     )
-    available_ns = 1e9 * made.bit_clocks * part.periods / clock_hz
+    available_clocks = (
+        made.taken_clocks if isinstance(part, Modulator) else made.bit_clocks * part.periods
+    )
+    available_ns = 1e9 * available_clocks / clock_hz
     taken_ns = out_ns + 2e9 * wire_s + 1e9 * part.access_s + back_ns
     budget = AdcBudget(
         sclk_mhz=round(clock_hz / made.bit_clocks / 1e6, 2),

@@ -18,7 +18,6 @@ from pathlib import Path
 from typing import Any
 
 from wavehaptics.fpga.boards import Board, write_headers
-from wavehaptics.parts.adcs import PARTS
 from wavehaptics.runtime.files import write_json
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.runtime.toolchain import Toolchain
@@ -279,7 +278,7 @@ def board_pads(board: Board, sdf: Path) -> dict[str, Any]:
     try:
         delays = pad_timing.Delays.of_file(sdf)
         adc = pad_timing.adc_budget(
-            delays, board.device, board.fpga.family, PARTS[board.fpga.adc],
+            delays, board.device, board.fpga.family, board.converter,
             words.ports.timing.frame, board.clock_hz, board.fpga.wire_s, board.adc_lines,
             board.sclk_pins,
         )  # fmt: skip
@@ -301,8 +300,8 @@ def board_pads(board: Board, sdf: Path) -> dict[str, Any]:
         "fpga_skew_ns": skew_ns,
         "fpga_skew_granted_ns": round(1e9 * time.fpga_skew_s, 2),
         "min_pulse_ns": round(1e9 * drive.min_pulse_s, 2) if drive else 0.0,
-        "trip_a": board.fpga.sense.trip_a,
-        "clip_a": round(board.fpga.sense.clip_a, 3),
+        "trip_a": board.sense.trip_a,
+        "clip_a": round(board.sense.clip_a, 3),
     }
 
 
