@@ -166,7 +166,7 @@ def holds(built: Build, sign: int) -> None:
     """
     scene = board_runs.hold(built.board, sign)
     at_rest(built.board, golden_hold(built.board, scene), BEYOND_CELLS * (sign < 0))
-    found = board_runs.run(built, scene, by_line=built.board.fpga.link)
+    found = board_runs.run(built, scene)
     at_rest(built.board, found)
     assert_quiet(found["pins"])
 

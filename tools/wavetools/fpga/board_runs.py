@@ -139,14 +139,14 @@ class _Deepest:
 
 def run(
     built: Build, scene: Scene, out: Path | None = None, name: str = "run",
-    progress: Callable[[float], None] | None = None, *, by_line: bool = False,
+    progress: Callable[[float], None] | None = None,
 ) -> dict[str, Any]:  # fmt: skip
     """Metrics of a scene on a built board, and ``pins``, what its pins have shown.
 
-    It is started by its button, or ``by_line``.
+    It is started by its button.
     With ``out``, a folder, they go into ``<name>.json`` there, and a picture into ``<name>.png``.
     """
-    simulation = on_board(built, scene, by_line=by_line)
+    simulation = on_board(built, scene)
     tick_s = simulation.tick_s
     ticks = max(1, round(scene.scene.duration_s / tick_s))
     trace = None
