@@ -16,7 +16,7 @@ from wavehaptics.host import capture, session
 from wavehaptics.host.identify import result
 from wavehaptics.host.identify.brushed import Found
 from wavehaptics.host.identify.driver import Driver, EndedError
-from wavehaptics.host.identify.identification import identify
+from wavehaptics.host.identify.identification import identify, try_signs
 from wavehaptics.host.identify.segments import Estimate, Segment, best_harmonic, earlier, harmonics
 from wavehaptics.host.identify.steps import NotPlausible, Wishes
 from wavehaptics.host.names import HostError, Place
@@ -238,6 +238,39 @@ def test_faults_by_name(make_scene: Maker, fault: str, sets: tuple[str, ...], ot
         identified(make_scene(*REAL, *sets), **others)
     assert error.value.fault == fault
     assert re.fullmatch(rf"{fault}: [^\n]+; check [^\n]+", str(error.value))
+
+
+@pytest.mark.parametrize("name", MOTORS)
+def test_signs_in_three_turns(make_scene: Maker, name: str):
+    """Told within three turns, most of them by the first voltages; the device is as it was."""
+    quick, told = QuickBoard(make_scene(*REAL, *MOTORS[name])), []
+    before = dict(quick.settings)
+    try_signs(Driver(quick, clock=lambda: quick.time_s), COUNTS, told.append)
+    assert told[-2].startswith("sign: right")
+    assert told[-1].startswith("encoder's sign: right, by")
+    low, high = quick.reach
+    assert high - low < 6 * np.pi
+    assert not quick.running
+    changed = {name[0] for name, raw in quick.settings.items() if before[name] != raw}
+    assert changed & SETTINGS == set()
+
+
+@pytest.mark.parametrize(
+    ("fault", "sets", "others"),
+    [
+        ("unplugged", (), {"unplugged": True}),
+        ("jammed", ("friction.coulomb_nm=1",), {}),
+        ("encoder reversed", (), {"encoder": -1}),
+        ("encoder silent", (), {"encoder": 0}),
+    ],
+)
+def test_wrong_signs_by_name(make_scene: Maker, fault: str, sets: tuple[str, ...], others: dict):
+    quick = QuickBoard(make_scene(*REAL, *sets), **others)
+    with pytest.raises(NotPlausible) as error:
+        try_signs(Driver(quick, clock=lambda: quick.time_s), COUNTS)
+    assert error.value.fault == fault
+    low, high = quick.reach
+    assert high - low < 6 * np.pi
 
 
 def test_what_is_asked_for_too_much(make_scene: Maker):

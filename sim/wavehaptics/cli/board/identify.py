@@ -7,6 +7,7 @@ import sys
 import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -51,6 +52,10 @@ def identify(
     expect: Annotated[
         str | None, typer.Option(metavar="PRESET", help="The motor that it should be.")
     ] = None,
+    signs: Annotated[
+        bool,
+        typer.Option("--signs", help="Only whether current and encoder have the right sign."),
+    ] = False,
     unit: common.UnitOption = 1,
     timeout: common.TimeoutOption = common.DEFAULT_TIMEOUT,
 ) -> None:
@@ -61,6 +66,7 @@ def identify(
     from wavehaptics.host import session
     from wavehaptics.host.identify.driver import Driver, EndedError
     from wavehaptics.host.identify.identification import identify as identified
+    from wavehaptics.host.identify.identification import try_signs
     from wavehaptics.host.identify.result import beside, rows, write
     from wavehaptics.host.identify.steps import Wishes
     from wavehaptics.host.names import HostError
@@ -74,6 +80,10 @@ def identify(
     presets: dict[str, MotorConstants | BrushlessConstants] = {**PRESETS, **BRUSHLESS_PRESETS}
     if expect is not None and expect not in presets:
         raise CommandError(f"--expect {expect}: take {', '.join(presets)}")
+    for option, given in (("--out", out), ("--current", current), ("--travel", travel),
+                          ("--expect", expect)):  # fmt: skip
+        if signs and given is not None:
+            raise CommandError(f"--signs takes no {option}; leave one of them out")
     wishes = Wishes(counts, current, travel, presets[expect] if expect else None)
     with common.refusals():
         if out is not None:
@@ -81,6 +91,7 @@ def identify(
                 session.check_writable(path)
         client = common.connected(port, unit, timeout)
         results: list[AnyFound] = []
+        tell = partial(print, flush=True)
 
         def written() -> None:
             for found in results:
@@ -92,9 +103,10 @@ def identify(
             driver = Driver(client, motor, ended=asked)
             print("the rotor turns: seconds on a board, minutes on a simulated one", flush=True)
             try:
-                identified(
-                    driver, wishes, lambda line: print(line, flush=True), show, results.append
-                )
+                if signs:
+                    try_signs(driver, counts, tell, show)
+                else:
+                    identified(driver, wishes, tell, show, results.append)
             except EndedError:
                 raise KeyboardInterrupt from None
             except HostError as error:

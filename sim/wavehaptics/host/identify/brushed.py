@@ -48,8 +48,11 @@ class BrushedProcedure(steps.Steps[MotorConstants]):
     ) -> None:
         super().__init__(driver, wishes, tell, show, MotorConstants)
 
-    def _excite(self) -> None:
+    def _try_signs(self) -> None:
         self._rough()
+        self._first_pulses()
+
+    def _excite(self) -> None:
         self._pulse_all()
         self._coast_all()
         volts = self._ohm * self._amps
@@ -106,21 +109,29 @@ class BrushedProcedure(steps.Steps[MotorConstants]):
 
     # ---- Pulses, for R, the encoder, k_T and J.
 
-    def _pulse_all(self) -> None:
-        driver = self._driver
+    def _first_pulses(self) -> None:
         self._regulate()
-        most_v = steps.PART_OF_LIMIT * driver.limit_v
-        self._brake_for(most_v)
-        # With little room, from small ones on until the rotor moves.
-        for part, seconds in steps.TRIALS[
-            0 if self._wishes.travel_rad is not None else steps.CAREFUL :
-        ]:
+        self._brake_for(self._most_v)
+        # Where it has to move little, from small ones on until it moves.
+        enough = 2 * encoder.CELLS if self._wishes.signs else steps.MANY_CELLS
+        for part, seconds in steps.TRIALS[0 if self._careful else steps.CAREFUL :]:
             for n in range(2):
                 self._pulse(self._sign(n) * part * self._amps, seconds)
-            if self._cells(self._pulses[-2:]) >= steps.MANY_CELLS:
+            if self._cells(self._pulses[-2:]) >= enough:
                 break
         self._check_turns()
-        seconds = self._pulse_time(most_v)
+
+    @property
+    def _careful(self) -> bool:
+        """Whether each pulse begins with the rotor at rest, and none is larger than it must be."""
+        return self._wishes.signs or self._wishes.travel_rad is not None
+
+    @property
+    def _most_v(self) -> float:
+        return steps.PART_OF_LIMIT * self._driver.limit_v
+
+    def _pulse_all(self) -> None:
+        seconds = self._pulse_time(self._most_v)
         self._tell(f"pulses: {steps.PULSES} of {1e3 * seconds:.0f} ms")
         for n in self._staged("pulses", steps.PULSES):
             self._pulse(
@@ -134,7 +145,7 @@ class BrushedProcedure(steps.Steps[MotorConstants]):
 
     def _pulse(self, amps: float, seconds: float) -> None:
         driver = self._driver
-        if self._wishes.travel_rad is not None:
+        if self._careful:
             driver.still()
         driver.release()
         driver.record(amps, seconds, steps.PULSE_ROWS)
@@ -153,6 +164,13 @@ class BrushedProcedure(steps.Steps[MotorConstants]):
         if cells < encoder.CELLS:
             turns = encoder.turns_unseen(newest[-1], encoder.emf_rate(newest), self._ohm)
             raise self._at_rest(cells, turns)
+        if self._careful:
+            counts = encoder.counts_along(newest, self._cell)
+            if counts < -encoder.CELLS:
+                raise encoder_reversed(
+                    f"the rotor goes {-counts:.0f} counts against the current that turns it"
+                )
+            self._tell(f"encoder's sign: right, by {counts:.0f} counts")
 
     def _pulse_time(self, most_v: float) -> float:
         rate = encoder.emf_rate(self._pulses[-2:])
@@ -194,10 +212,7 @@ class BrushedProcedure(steps.Steps[MotorConstants]):
         winding, turn = sampling.winding(), sampling.back_emf(turn)
         k_t, spread = turn.k_t.value, turn.k_t.sd
         if encoder.is_reversed(turn.k_t):
-            raise NotPlausible(
-                "encoder reversed", f"the back-EMF is {1e3 * k_t:.3g} mV·s/rad, below zero",
-                "A and B, which may be swapped, or the motor's two leads",
-            )  # fmt: skip
+            raise encoder_reversed(f"the back-EMF is {1e3 * k_t:.3g} mV·s/rad, below zero")
         if not LEAST < k_t < MOST or spread > 0.2 * k_t:
             raise NotPlausible(
                 "back-EMF", f"{1e3 * k_t:.3g} ± {1e3 * spread:.2g} mV·s/rad are no motor's",
@@ -212,7 +227,7 @@ class BrushedProcedure(steps.Steps[MotorConstants]):
             )  # fmt: skip
         self._tell(f"R: {winding.ohm.value:.4g} ± {winding.ohm.sd:.2g} Ω, with brushes of "
                    f"{winding.drop_v.value:.2g} ± {winding.drop_v.sd:.2g} V")  # fmt: skip
-        self._tell(f"k_T: {1e3 * k_t:.4g} ± {1e3 * spread:.2g} mN·m/A; encoder's sign: right")
+        self._tell(f"k_T: {1e3 * k_t:.4g} ± {1e3 * spread:.2g} mN·m/A")
         self._expect_winding(winding, turn)
         return winding, turn
 
@@ -265,3 +280,10 @@ class BrushedProcedure(steps.Steps[MotorConstants]):
     def _mechanics(self, turn: BackEmf) -> Mechanics:
         found = mechanics([*self._pulses, *self._coasts], turn.k_t, self._cell)
         return self._checked_motion(found and self._sampling.mechanics(found))
+
+
+def encoder_reversed(found: str) -> NotPlausible:
+    """Of counts against the motor."""
+    return NotPlausible(
+        "encoder reversed", found, "A and B, which may be swapped, or the motor's two leads"
+    )

@@ -90,14 +90,17 @@ class BrushlessProcedure(steps.Steps[BrushlessConstants]):
         super().__init__(driver, wishes, tell, show, BrushlessConstants)
         self._ways: list[complex] = []
 
-    def _excite(self) -> None:
-        driver = self._driver
+    def _try_signs(self) -> None:
         self._rough()
         self._pulse_all()
         # Which may take longer than an arming lasts.
-        driver.disarm()
+        self._driver.disarm()
         self._magnets = magnets(self._pulses)
-        driver.arm()
+        if self._wishes.signs:
+            self._check_pole_pairs(self._magnets)
+
+    def _excite(self) -> None:
+        self._driver.arm()
         self._coast_all()
         self._step_all()
 
@@ -108,6 +111,7 @@ class BrushlessProcedure(steps.Steps[BrushlessConstants]):
         q, d = self._inductances(found)
         part = unseen_part(self._driver.pulse_s, found.ohm.value, q.value)
         found, q, d = found.widened(part), q.widened(part * q.value), d.widened(part * d.value)
+        self._check_pole_pairs(found)
         self._check_magnets(found)
         told = f"L: {1e3 * q.value:.4g} ± {1e3 * q.sd:.2g} mH"
         along_d = f" along q, {1e3 * d.value:.4g} ± {1e3 * d.sd:.2g} along d"
@@ -195,28 +199,31 @@ class BrushlessProcedure(steps.Steps[BrushlessConstants]):
         most = max(float(np.ptp(volts)) for volts in left)
         raise self._at_rest(cells, most > encoder.TURNS * self._ohm * self._amps)
 
-    def _check_magnets(self, found: Magnets) -> None:
-        psi = found.flux.value
+    def _check_pole_pairs(self, found: Magnets) -> None:
         if found.clear < CLEARLY:
             raise NotPlausible(
                 "pole pairs", f"{abs(found.pole_pairs)} and others do as well, the rotor turns too "
                 "little", "what is fixed to the shaft, or allow more by --current",
-            )  # fmt: skip
-        if not LEAST_PSI < psi < MOST_PSI or found.flux.sd > 0.1 * psi:
-            raise NotPlausible(
-                "back-EMF", f"ψ is {1e3 * psi:.3g} ± {1e3 * found.flux.sd:.2g} mV·s, no motor's",
-                "--counts, and that the encoder sits firmly on the shaft",
             )  # fmt: skip
         if found.pole_pairs < 0:
             raise NotPlausible(
                 "encoder reversed", "the magnets turn against the counts",
                 "A and B, which may be swapped, or two of the motor's leads with their shunts",
             )  # fmt: skip
+        self._tell("encoder's sign: right")
+
+    def _check_magnets(self, found: Magnets) -> None:
+        psi = found.flux.value
+        if not LEAST_PSI < psi < MOST_PSI or found.flux.sd > 0.1 * psi:
+            raise NotPlausible(
+                "back-EMF", f"ψ is {1e3 * psi:.3g} ± {1e3 * found.flux.sd:.2g} mV·s, no motor's",
+                "--counts, and that the encoder sits firmly on the shaft",
+            )  # fmt: skip
         degrees = math.degrees(found.pole_pairs * found.place.sd)
         self._tell(
             f"R: {found.ohm.value:.4g} ± {found.ohm.sd:.2g} Ω; {found.pole_pairs} pole pairs"
         )
-        self._tell(f"ψ: {1e3 * psi:.4g} ± {1e3 * found.flux.sd:.2g} mV·s; encoder's sign: right; "
+        self._tell(f"ψ: {1e3 * psi:.4g} ± {1e3 * found.flux.sd:.2g} mV·s; "
                    f"magnets to {degrees:.1g}°")  # fmt: skip
         self._expect(found)
 

@@ -38,6 +38,12 @@ def turns_unseen(segment: Segment, rate: float, ohm: float) -> bool:
     return rate * segment.step_s * len(segment.voltage) > TURNS * ohm
 
 
+def counts_along(segments: Sequence[Segment], cell_rad: float) -> float:
+    """Counts of pulses from rest in the direction of their currents."""
+    moved = sum((s.position[-1] - s.position[0]) * np.sign(np.mean(s.current)) for s in segments)
+    return float(moved) / cell_rad
+
+
 def is_reversed(k_t: Estimate) -> bool:
     """Whether the back-EMF is against the counts."""
     return k_t.value < -SIGMA * k_t.sd

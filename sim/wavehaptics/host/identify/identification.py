@@ -14,6 +14,27 @@ from wavehaptics.runtime.ends import ending
 _MOVES = "the rotor moves, and the device isn't told where they are"
 
 
+def _procedure(
+    driver: Driver, wishes: Wishes, tell: Told, show: Shown
+) -> BrushedProcedure | BrushlessProcedure:
+    kind = BrushlessProcedure if driver.brushless else BrushedProcedure
+    return kind(driver, wishes, tell, show)
+
+
+def try_signs(
+    driver: Driver,
+    counts: int,
+    tell: Told = lambda _: None,
+    show: Shown = lambda _, __: None,
+) -> None:
+    """Whether current and encoder have the right sign, by the first voltages and pulses alone.
+
+    No wall and no anchor is on, so a wrong sign doesn't run away. Errors are :func:`identify`'s.
+    """
+    with driver:
+        _procedure(driver, Wishes(counts, signs=True), tell, show).record()
+
+
 def identify(
     driver: Driver,
     wishes: Wishes,
@@ -29,8 +50,7 @@ def identify(
     :class:`~wavehaptics.host.identify.steps.NotPlausible` for what can't be a motor that is
     well wired, :class:`~wavehaptics.host.names.HostError` else.
     """
-    kind = BrushlessProcedure if driver.brushless else BrushedProcedure
-    procedure = kind(driver, wishes, tell, show)
+    procedure = _procedure(driver, wishes, tell, show)
     recorded: list[bool] = []
     results: list[Found | FoundBrushless] = []
 

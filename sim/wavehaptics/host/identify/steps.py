@@ -92,12 +92,16 @@ class NotPlausible(HostError):
 
 @dataclass(frozen=True)
 class Wishes:
-    """What a user says: counts a revolution, test current, room to turn, the motor to expect."""
+    """What a user says: counts a revolution, test current, room to turn, the motor to expect.
+
+    ``signs``: only whether current and encoder have the right sign.
+    """
 
     counts: int
     current_a: float | None = None
     travel_rad: float | None = None
     expected: MotorConstants | BrushlessConstants | None = None
+    signs: bool = False
 
 
 Constants = TypeVar("Constants", MotorConstants, BrushlessConstants)
@@ -154,15 +158,21 @@ class Steps(ABC, Generic[Constants]):
         driver.arm()
         self._show("zero", 1.0)
         try:
-            self._excite()
+            self._try_signs()
+            if not self._wishes.signs:
+                self._excite()
         except OffError as error:
             if len(self._steps) < 2 and error.faults:
                 raise shorted(str(error)) from None
             raise
 
     @abstractmethod
+    def _try_signs(self) -> None:
+        """The first records, ``_steps`` before all others: they tell a wrong sign."""
+
+    @abstractmethod
     def _excite(self) -> None:
-        """The records, of which ``_steps`` are the first."""
+        """The other records."""
 
     def _staged(self, stage: str, count: int) -> Iterator[int]:
         """Numbers of a stage's records, shown as they are done."""
