@@ -162,7 +162,8 @@ def _run(
 
         for name in device.motors:  # what is simulated may have to be built first
             show(name, 0.0)
-        return run_device(device, controller, folder, show)["motors"]
+        motors: dict[str, dict[str, Any]] = run_device(device, controller, folder, show)["motors"]
+        return motors
 
 
 @app.command()

@@ -198,25 +198,26 @@ def reset(state: np.ndarray) -> None:
 
 
 @compiled(inline="always")
-def long_word(value):
+def long_word(value: int) -> int:
     """``value`` wrapped to a long word."""
     return ((value + _LONG_TOP) & _LONG_MASK) - _LONG_TOP
 
 
 @compiled(inline="always")
-def _data(value):
+def _data(value: int) -> int:
     """``value`` wrapped to a data word."""
     return ((value + _DATA_TOP) & _DATA_MASK) - _DATA_TOP
 
 
 @compiled(inline="always")
-def left(u_max, state):
+def left(u_max: int, state: np.ndarray) -> int:
     """The waves' limit, raw √W: ``u_max`` less the share of c, at least 0."""
-    return max(u_max - state[ROOM], 0)
+    limit: int = u_max - state[ROOM]
+    return max(limit, 0)
 
 
 @compiled(inline="always")
-def share(room_gain, correction):
+def share(room_gain: int, correction: int) -> int:
     """What c, raw V, takes of the limit of u in contact, raw √W."""
     room = (room_gain * correction) >> _FAR_SHIFT
     room = long_word(-room if correction < 0 else room) >> _VOLT_SHIFT
@@ -262,7 +263,7 @@ def anchor_axis_step(
 
 
 @compiled(inline="always")
-def _moved(state, position):
+def _moved(state: np.ndarray, position: int) -> int:
     """Counts since the previous tick; 0 in the first."""
     moved = 0
     if state[STARTED] != 0:
@@ -274,9 +275,10 @@ def _moved(state, position):
 
 @compiled(inline="always")
 def _turn(
-    state, words, moved, moved_flux, cell, start, place, contact, current, u, v, withheld, voltage,
-    saturated, blind, axis,
-):  # fmt: skip
+    state: np.ndarray, words: np.ndarray, moved: int, moved_flux: int, cell: int, start: int,
+    place: int, contact: bool, current: int, u: int, v: int, withheld: int, voltage: int,
+    saturated: bool, blind: bool, axis: bool,
+) -> None:  # fmt: skip
     inner = AXIS_INNER_SHIFT if axis else INNER_SHIFT
     begins = contact and state[TOUCHING] == 0
     state[TOUCHING] = 1 if contact else 0

@@ -13,7 +13,7 @@ SHARE_Q = formats.BUS_SHARE.fraction + formats.BUS_Q - formats.BUS_W
 
 def bus_word(bus_v: float) -> int:
     """Word of a measured bus in V, the nearest."""
-    return min(max(0, round(bus_v * 2**formats.BUS_Q)), (1 << formats.BUS_W) - 1)
+    return min(max(0, round(bus_v * 2.0**formats.BUS_Q)), (1 << formats.BUS_W) - 1)
 
 
 def bus_share_word(limit_v: float, reach: float) -> int:

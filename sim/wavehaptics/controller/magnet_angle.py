@@ -58,7 +58,7 @@ def new_state(known: bool, position: int) -> np.ndarray:
 
 
 @compiled(inline="always")
-def _jump(now, before):
+def _jump(now: int, before: int) -> int:
     """−E of an axis, at most 2 cells either way."""
     jump = ((now - before + _TOP) & _WORD) - _TOP
     return max(-_BIG, min(_BIG - 1, jump))

@@ -43,7 +43,7 @@ def duty_of(voltage: int, clocks_per_volt: int) -> int:
 
 @compiled()
 def half_width(
-    state, duty: int, extra: int, half_clocks: int, second_order: bool, least: int = 0,
+    state: np.ndarray, duty: int, extra: int, half_clocks: int, second_order: bool, least: int = 0,
     spare: int = 0,
 ) -> int:  # fmt: skip
     """Half width in clocks of the coming half, for a ``duty`` in 2⁻¹⁶ and ``extra`` in 2⁻⁸ clocks.
@@ -52,7 +52,7 @@ def half_width(
     not. A width below ``least`` clocks is 0 or ``least``; the largest is ``spare`` clocks less than
     half of ``half_clocks``, or 0.
     """
-    owed = 2 * state[REST] - state[OLDER] if second_order else state[REST]
+    owed: int = 2 * state[REST] - state[OLDER] if second_order else state[REST]
     total = duty + (extra << _EXTRA_SHIFT) + owed
     magnitude = (abs(total) + _ONE // 2) >> _FRACTION
     if magnitude < least:
@@ -78,7 +78,7 @@ def width_bounds(mode: str, min_pulse: int) -> tuple[int, int]:
 
 @compiled()
 def dead_time_extra(
-    state, current: int, dead_clocks: int, threshold: int, settle_ticks: int
+    state: np.ndarray, current: int, dead_clocks: int, threshold: int, settle_ticks: int
 ) -> int:
     """What the half pulses must be longer by, in 2⁻⁸ clocks, from a tick's ``current`` on."""
     below = (~current if state[NEGATIVE] else current) < threshold

@@ -170,7 +170,8 @@ def response(words: np.ndarray, turn: np.ndarray) -> np.ndarray:
     """W of one section's words at ``turn`` = ωT, complex, of the same shape."""
     x1, x2 = _states(words, turn)
     w = np.asarray(words[:LOSS1], dtype=float) / float(1 << formats.SHAPE.fraction)
-    return w[C1] * x1 + w[C2] * x2 + w[D]
+    found: np.ndarray = w[C1] * x1 + w[C2] * x2 + w[D]
+    return found
 
 
 def state_gain(words: np.ndarray) -> float:

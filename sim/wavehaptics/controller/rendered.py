@@ -25,7 +25,8 @@ def environment(set_: Settings, hertz: np.ndarray) -> np.ndarray:
     for words in set_.shaper.words:
         d = d * response(words, turn)
     z = np.exp(1j * turn)
-    return d * a / (z - (1.0 - a)) / z**set_.extra_ticks
+    found: np.ndarray = d * a / (z - (1.0 - a)) / z**set_.extra_ticks
+    return found
 
 
 def rendered(set_: Settings, k_t: float, inductance: float, hertz: np.ndarray) -> np.ndarray:

@@ -44,7 +44,8 @@ _INDEX_SHIFT = ANGLE_W - 2 - (ENTRIES.bit_length() - 1)
 def sine_table() -> np.ndarray:
     """Sines in the middle of each entry's part of the first quarter, int64 (ENTRIES,), u16q15."""
     middles = (np.arange(ENTRIES) + 0.5) * (0.5 * math.pi / ENTRIES)
-    return np.round(np.sin(middles) * (1 << SINE_Q)).astype(np.int64)
+    sines: np.ndarray = np.round(np.sin(middles) * (1 << SINE_Q)).astype(np.int64)
+    return sines
 
 
 def angle_word(turns: float) -> int:
@@ -71,12 +72,12 @@ def new_state(position: int, zero: int) -> np.ndarray:
 
 
 @compiled(inline="always")
-def _sine(table, angle):
+def _sine(table: np.ndarray, angle: int) -> int:
     """sin θ, s17q15."""
     index = (angle >> _INDEX_SHIFT) & (ENTRIES - 1)
     if angle & _QUARTER:
         index = ENTRIES - 1 - index
-    value = table[index]
+    value: int = table[index]
     return -value if angle & (2 * _QUARTER) else value
 
 

@@ -234,7 +234,7 @@ def answer(
 @compiled(inline="always")
 def depth(plane: np.ndarray, positions: np.ndarray) -> int:
     """``G·x − d`` of a surface with the fraction bits of ``formats.SURFACE``, counts."""
-    place = -(plane[D] << _D_SHIFT)
+    place: int = -(plane[D] << _D_SHIFT)
     for port in range(PORTS):
         place += plane[G + port] * positions[port]
     return place
@@ -290,7 +290,8 @@ def _row_of(order: int, first: int, second: int, third: int) -> int:
     """Row of the vector of the surface with index ``order`` among those in contact."""
     if order == 0:
         return first
-    return PAIR_ROW[first, second] if order == 1 else TRIPLE_ROW[first, second, third]
+    row: int = PAIR_ROW[first, second] if order == 1 else TRIPLE_ROW[first, second, third]
+    return row
 
 
 @compiled()

@@ -75,7 +75,8 @@ def line_read(line: np.ndarray, state: np.ndarray, age: int) -> int:
     """The u that was computed ``age`` steps before the newest; 0 before the first."""
     if age >= state[STATE_FILLED]:
         return 0
-    return line[(state[STATE_HEAD] - age) & (line.shape[0] - 1)]
+    u: int = line[(state[STATE_HEAD] - age) & (line.shape[0] - 1)]
+    return u
 
 
 def new_shaper_state(sections: int) -> np.ndarray:
@@ -167,7 +168,9 @@ def shaper_step(words: np.ndarray, states: np.ndarray, mode: int, v: int) -> int
 
 
 @compiled(inline="always")
-def incoming(state, line, current, root, extra_ticks, ends):
+def incoming(
+    state: np.ndarray, line: np.ndarray, current: int, root: int, extra_ticks: int, ends: int
+) -> tuple[int, int]:
     """The waves of the measured tick: u_n, and v_n = u_n − s·i_n.
 
     If the current is at the high end of its range, the true one may be larger by any amount, and so
@@ -186,7 +189,10 @@ def incoming(state, line, current, root, extra_ticks, ends):
 
 
 @compiled(inline="always")
-def outgoing(state, line, shaped, eta, outside, root, a, u_max, hold_ticks):
+def outgoing(
+    state: np.ndarray, line: np.ndarray, shaped: int, eta: int, outside: int, root: int, a: int,
+    u_max: int, hold_ticks: int,
+) -> int:  # fmt: skip
     """The λ filter from W{v_n} on: e to be applied.
 
     With surfaces across motors ``outside`` is the goal, and η is 0.
@@ -243,8 +249,10 @@ def wave_core_step(
 
 
 @compiled(inline="always")
-def core_step(state, line, shaper, shaper_states, mode, current, eta, outside, root, a, u_max,
-              ticks, ends):  # fmt: skip
+def core_step(
+    state: np.ndarray, line: np.ndarray, shaper: np.ndarray, shaper_states: np.ndarray, mode: int,
+    current: int, eta: int, outside: int, root: int, a: int, u_max: int, ticks: int, ends: int,
+) -> tuple[int, int, int]:  # fmt: skip
     """:func:`shaped_core_step` where there are sections; what is applied is ``ticks`` old."""
     if shaper.shape[0] == 0:
         return wave_core_step(

@@ -84,7 +84,8 @@ class FramedLine:
     def write(self, data: bytes) -> int | None:
         """Send a question, in one piece."""
         with self._lock:
-            return self._line.write(data)
+            written: int | None = self._line.write(data)
+            return written
 
     def close(self) -> None:
         """The port stays open: it belongs to whoever gave it."""

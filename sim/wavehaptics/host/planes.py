@@ -151,7 +151,8 @@ class Planes:
 
     def angles(self) -> np.ndarray:
         """Angles of the motors in rad, in the middle of the count: float64 (motors,)."""
-        return (self.counts() + _MIDDLE) * self._cell
+        angles: np.ndarray = (self.counts() + _MIDDLE) * self._cell
+        return angles
 
     def tip(self) -> np.ndarray:
         """Place of the tip in m: float64 (3,)."""

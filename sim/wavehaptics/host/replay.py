@@ -373,7 +373,8 @@ class _Motor:
         error = np.clip(error, formats.WAVE.raw_min, formats.WAVE.raw_max)
         step, shift = a * error, formats.A.fraction - _GUARD
         step = np.where(step < 0, -(-step >> shift), step >> shift)
-        return np.clip(f + step, -limit, limit)
+        found: np.ndarray = np.clip(f + step, -limit, limit)
+        return found
 
 
 def _states_of(u: int) -> np.ndarray:

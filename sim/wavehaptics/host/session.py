@@ -141,7 +141,7 @@ def _check_whole(count: Any, there: int, content: bytes, note: Any) -> None:
         note(key, "its last line has no end; was it cut? Save it anew")
 
 
-def _tables(document: dict[str, Any], shape: Shape, note: Any) -> Iterable[tuple]:
+def _tables(document: dict[str, Any], shape: Shape, note: Any) -> Iterable[tuple[Any, ...]]:
     """(name, motor, rows, key) of the file's tables that the device has."""
     for name, rows in document.items():
         if name == BOARD and isinstance(rows, dict):

@@ -298,7 +298,7 @@ class Stream:
                 counts[~lost] = told + np.cumsum(ways)
             return counts
         # What was cut off is anything from 0 to 2^shift - 1: its mean.
-        found = (raws * 2.0**shift + 0.5 * (2**shift - 1)) * place.word.fixed.step
+        found: np.ndarray = (raws * 2.0**shift + 0.5 * (2**shift - 1)) * place.word.fixed.step
         found[lost] = np.nan
         return found
 

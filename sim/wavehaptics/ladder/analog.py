@@ -21,7 +21,7 @@ from scipy.linalg import expm
 from wavehaptics.controller.settings import settings
 from wavehaptics.ladder.abilities import refuse
 from wavehaptics.laws import closed_forms
-from wavehaptics.motor.imperfections import MOTOR, SUPPLY, real_parts, warm_real
+from wavehaptics.motor.imperfections import MOTOR, SUPPLY, Real, real_parts, warm_real
 from wavehaptics.motor.plant import (
     OMEGA,
     TAU,
@@ -81,7 +81,9 @@ _DT, _CELL, _S, _GAIN, _K_T, _RESISTANCE, _U_MAX, _ETA_CONTACT, _ETA_FREE = rang
 _TOUCHING, _SIDE, _TIME = range(3)
 
 
-def circuit_matrices(plant: Plant, lambda_: float, s: float, gain: float, etas) -> np.ndarray:
+def circuit_matrices(
+    plant: Plant, lambda_: float, s: float, gain: float, etas: tuple[float, float]
+) -> np.ndarray:
     """A of ``z' = A z`` for the circuits FREE, CONTACT and LIMITED: (3, SIZE, SIZE).
 
     ``etas`` holds η of free space and of contact, ``gain`` is what the drive gives for 1 V. The
@@ -101,7 +103,7 @@ def circuit_matrices(plant: Plant, lambda_: float, s: float, gain: float, etas) 
 
 
 @compiled()
-def inside(x, wall_min, wall_max):
+def inside(x: float, wall_min: np.ndarray, wall_max: np.ndarray) -> bool:
     """Whether a rotor at ``x`` is in a wall; all in rad."""
     for n in range(wall_min.shape[0]):
         if wall_min[n] <= x < wall_max[n]:
@@ -110,24 +112,30 @@ def inside(x, wall_min, wall_max):
 
 
 @compiled()
-def _outward(z, kept, floats):
+def _outward(z: np.ndarray, kept: np.ndarray, floats: np.ndarray) -> float:
     """How far the filter's goal η·v lies beyond the limit that holds f, √W."""
     eta = floats[_ETA_CONTACT] if kept[_TOUCHING] else floats[_ETA_FREE]
-    return kept[_SIDE] * (eta * (z[F] - floats[_S] * z[I]) - z[F])
+    beyond: float = kept[_SIDE] * (eta * (z[F] - floats[_S] * z[I]) - z[F])
+    return beyond
 
 
 @compiled()
-def _consistent(z, kept, floats, wall_min, wall_max):
+def _consistent(
+    z: np.ndarray, kept: np.ndarray, floats: np.ndarray, wall_min: np.ndarray, wall_max: np.ndarray
+) -> bool:
     """Whether the state still belongs to the circuit that it is advanced with."""
     if inside(z[X], wall_min, wall_max) != (kept[_TOUCHING] != 0.0):
         return False
     if kept[_SIDE] == 0.0:
-        return abs(z[F]) <= floats[_U_MAX]
+        inner: bool = abs(z[F]) <= floats[_U_MAX]
+        return inner
     return _outward(z, kept, floats) >= 0.0
 
 
 @compiled()
-def _switch(z, kept, floats, wall_min, wall_max):
+def _switch(
+    z: np.ndarray, kept: np.ndarray, floats: np.ndarray, wall_min: np.ndarray, wall_max: np.ndarray
+) -> None:
     """Choose the circuit that the state belongs to."""
     kept[_TOUCHING] = 1.0 if inside(z[X], wall_min, wall_max) else 0.0
     if kept[_SIDE] == 0.0 and abs(z[F]) > floats[_U_MAX]:
@@ -138,14 +146,14 @@ def _switch(z, kept, floats, wall_min, wall_max):
 
 
 @compiled()
-def _circuit(kept):
+def _circuit(kept: np.ndarray) -> int:
     if kept[_SIDE] != 0.0:
         return LIMITED
     return CONTACT if kept[_TOUCHING] else FREE
 
 
 @compiled()
-def _product(matrix, z, out):
+def _product(matrix: np.ndarray, z: np.ndarray, out: np.ndarray) -> None:
     for row in range(z.shape[0]):
         total = 0.0
         for column in range(z.shape[0]):
@@ -154,7 +162,10 @@ def _product(matrix, z, out):
 
 
 @compiled()
-def _part(z, trial, kept, floats, wall_min, wall_max, steps):
+def _part(
+    z: np.ndarray, trial: np.ndarray, kept: np.ndarray, floats: np.ndarray, wall_min: np.ndarray,
+    wall_max: np.ndarray, steps: np.ndarray,
+) -> None:  # fmt: skip
     """Advance z by one regular step, through every change of circuit in it.
 
     Time is counted in the finest of the tabulated steps. Ever smaller ones are taken while the next
@@ -184,7 +195,11 @@ def _part(z, trial, kept, floats, wall_min, wall_max, steps):
 
 
 @compiled()
-def _real_part(z, trial, before, kept, floats, wall_min, wall_max, ohm, steps, parts):
+def _real_part(
+    z: np.ndarray, trial: np.ndarray, before: np.ndarray, kept: np.ndarray, floats: np.ndarray,
+    wall_min: np.ndarray, wall_max: np.ndarray, ohm: float, steps: np.ndarray,
+    parts: tuple[np.ndarray, ...],
+) -> tuple[float, float]:  # fmt: skip
     """:func:`_part` of a motor that isn't linear; returns w and the brushes' part of it.
 
     ``before`` is room for a state.
@@ -212,7 +227,11 @@ def _real_part(z, trial, before, kept, floats, wall_min, wall_max, ohm, steps, p
 
 
 @compiled()
-def _advance(rows, z, trial, before, kept, wall_min, wall_max, floats, substeps, load, steps, real):
+def _advance(
+    rows: np.ndarray, z: np.ndarray, trial: np.ndarray, before: np.ndarray, kept: np.ndarray,
+    wall_min: np.ndarray, wall_max: np.ndarray, floats: np.ndarray, substeps: int, load: np.ndarray,
+    steps: np.ndarray, real: Real | None,
+) -> None:  # fmt: skip
     dt = floats[_DT]
     tick = dt * substeps
     for n in range(rows.shape[0]):
@@ -341,7 +360,7 @@ class AnalogSimulation:
         """Ticks before the first after a step of the bus, at most ``ticks``."""
         if self._real is None or self._stepped or not np.isfinite(self._real[SUPPLY][STEP_S]):
             return ticks
-        left_s = self._real[SUPPLY][STEP_S] - self._kept[_TIME]
+        left_s: float = self._real[SUPPLY][STEP_S] - self._kept[_TIME]
         return min(ticks, max(0, math.ceil(left_s / self.tick_s - 1e-6)))
 
     def _step_bus(self) -> None:

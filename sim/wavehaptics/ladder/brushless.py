@@ -15,7 +15,9 @@ can't have here yet is refused (:mod:`wavehaptics.ladder.abilities`).
 
 from __future__ import annotations
 
+import ctypes
 import math
+from typing import Any
 
 import numpy as np
 
@@ -77,13 +79,16 @@ _TOUCHING, _SIDE_A, _SIDE_B = range(3)
 
 
 @compiled(inline="always")
-def clear_sums(z):
+def clear_sums(z: np.ndarray) -> None:
     """Begin a tick's sums."""
     z[Q_A] = z[Q_B] = z[QF_A] = z[QF_B] = z[IMPULSE] = z[ENERGY] = 0.0
 
 
 @compiled(inline="always")
-def put_axes(row, z, load, begin, tick, before, hand, e_a, e_b, ripple):
+def put_axes(
+    row: np.ndarray, z: np.ndarray, load: np.ndarray, begin: float, tick: float, before: float,
+    hand: float, e_a: float, e_b: float, ripple: float,
+) -> float:  # fmt: skip
     """The motor's part of a tick's row, of the sums since its beginning and the mean voltages.
 
     Returns the electrical angle at its middle, along whose q a row has the axes' waves.
@@ -98,16 +103,19 @@ def put_axes(row, z, load, begin, tick, before, hand, e_a, e_b, ripple):
 
 
 @compiled(inline="always")
-def _seen(word):
+def _seen(word: int) -> float:
     """Cells of a long word as the RTL shows it."""
     return (word >> formats.LONG_GUARD) * anchor.SEEN_CELLS
 
 
 @compiled(error_model="numpy", fastmath={"contract", "nsz", "arcp"})
 def _advance_sampled(
-    rows, words, z, kept, ports, lines, contact, wall_min, wall_max, shaper, anchored, ints, floats,
-    load, table, step, sensor, noise, buffer, reader,
-):  # fmt: skip
+    rows: np.ndarray, words: np.ndarray, z: np.ndarray, kept: np.ndarray, ports: np.ndarray,
+    lines: np.ndarray, contact: np.ndarray, wall_min: np.ndarray, wall_max: np.ndarray,
+    shaper: tuple[Any, ...], anchored: tuple[Any, ...] | None, ints: np.ndarray, floats: np.ndarray,
+    load: np.ndarray, table: np.ndarray, step: np.ndarray, sensor: np.ndarray, noise: np.ndarray,
+    buffer: np.ndarray, reader: tuple[np.ndarray, ...] | None,
+) -> bool:  # fmt: skip
     """Fill ``rows`` and ``words``; False when the RTL never answered.
 
     ``shaper`` holds the words of W, both axes' states and which walls it is for. ``anchored`` has
@@ -333,7 +341,7 @@ def magnet_words(scene: Scene, set_: Settings, position: int) -> dict[str, int]:
     }
 
 
-def _anchors(set_: Settings, position: int, zero: int, turn: int, known: bool) -> tuple:
+def _anchors(set_: Settings, position: int, zero: int, turn: int, known: bool) -> tuple[Any, ...]:
     """What :func:`_advance_sampled` takes as ``anchored``."""
     blind = set_.anchor.copy()
     blind[anchor.ENABLE] = 0
@@ -348,7 +356,7 @@ def _anchors(set_: Settings, position: int, zero: int, turn: int, known: bool) -
     )
 
 
-def _load_axes(set_: Settings, *angles: int):
+def _load_axes(set_: Settings, *angles: int) -> tuple[ctypes.CDLL, int, int]:
     """(library, a model, address of its step) of both axes' RTL.
 
     ``angles`` are position, θ there, a count's angle, and whether θ is to be found.
@@ -363,21 +371,29 @@ def _load_axes(set_: Settings, *angles: int):
 
 
 @compiled(inline="always")
-def _outward(z, f, i, side, kept, floats):
+def _outward(
+    z: np.ndarray, f: int, i: int, side: float, kept: np.ndarray, floats: np.ndarray
+) -> float:
     """How far the goal of a filter lies beyond the limit that holds its f, √W."""
     eta = floats[_CONTACT_ETA] if kept[_TOUCHING] else floats[_FREE_ETA]
-    return side * (eta * (z[f] - floats[_S] * z[i]) - z[f])
+    beyond: float = side * (eta * (z[f] - floats[_S] * z[i]) - z[f])
+    return beyond
 
 
 @compiled(inline="always")
-def _axis_stays(z, f, i, side, kept, floats):
+def _axis_stays(
+    z: np.ndarray, f: int, i: int, side: float, kept: np.ndarray, floats: np.ndarray
+) -> bool:
     if side == 0.0:
-        return abs(z[f]) <= floats[_LIMIT]
+        inner: bool = abs(z[f]) <= floats[_LIMIT]
+        return inner
     return _outward(z, f, i, side, kept, floats) >= 0.0
 
 
 @compiled()
-def _consistent(z, kept, floats, wall_min, wall_max):
+def _consistent(
+    z: np.ndarray, kept: np.ndarray, floats: np.ndarray, wall_min: np.ndarray, wall_max: np.ndarray
+) -> bool:
     """Whether the state still belongs to the circuits that it is advanced with."""
     if inside(z[X], wall_min, wall_max) != (kept[_TOUCHING] != 0.0):
         return False
@@ -387,7 +403,9 @@ def _consistent(z, kept, floats, wall_min, wall_max):
 
 
 @compiled(inline="always")
-def _switch_axis(z, f, i, at, kept, floats):
+def _switch_axis(
+    z: np.ndarray, f: int, i: int, at: int, kept: np.ndarray, floats: np.ndarray
+) -> None:
     if kept[at] == 0.0 and abs(z[f]) > floats[_LIMIT]:
         kept[at] = 1.0 if z[f] > 0.0 else -1.0
         z[f] = kept[at] * floats[_LIMIT]
@@ -396,7 +414,9 @@ def _switch_axis(z, f, i, at, kept, floats):
 
 
 @compiled()
-def _switch(z, kept, floats, wall_min, wall_max):
+def _switch(
+    z: np.ndarray, kept: np.ndarray, floats: np.ndarray, wall_min: np.ndarray, wall_max: np.ndarray
+) -> None:
     """Choose the circuits that the state belongs to."""
     kept[_TOUCHING] = 1.0 if inside(z[X], wall_min, wall_max) else 0.0
     _switch_axis(z, F_A, I_A, _SIDE_A, kept, floats)
@@ -404,14 +424,17 @@ def _switch(z, kept, floats, wall_min, wall_max):
 
 
 @compiled(inline="always")
-def _circuit(side, kept):
+def _circuit(side: float, kept: np.ndarray) -> int:
     if side != 0.0:
         return LIMITED
     return CONTACT if kept[_TOUCHING] else FREE
 
 
 @compiled()
-def _part(z, trial, kept, floats, wall_min, wall_max, tables, steps, load):
+def _part(
+    z: np.ndarray, trial: np.ndarray, kept: np.ndarray, floats: np.ndarray, wall_min: np.ndarray,
+    wall_max: np.ndarray, tables: np.ndarray, steps: np.ndarray, load: np.ndarray,
+) -> None:  # fmt: skip
     """Advance z by one regular step, through every change of circuit in it, as `analog` does.
 
     ``tables`` has the axis' tables by circuit and halving. ``trial`` is room for a state.
@@ -445,8 +468,10 @@ def _part(z, trial, kept, floats, wall_min, wall_max, tables, steps, load):
 
 @compiled(error_model="numpy")
 def _advance_analog(
-    rows, z, trial, kept, wall_min, wall_max, floats, substeps, load, tables, steps
-):  # fmt: skip
+    rows: np.ndarray, z: np.ndarray, trial: np.ndarray, kept: np.ndarray, wall_min: np.ndarray,
+    wall_max: np.ndarray, floats: np.ndarray, substeps: int, load: np.ndarray, tables: np.ndarray,
+    steps: np.ndarray,
+) -> None:  # fmt: skip
     tick, s = floats[_TICK], floats[_S]
     for n in range(rows.shape[0]):
         before, hand = z[X], z[P] + z[C]

@@ -84,16 +84,17 @@ _RUN_OUT_A = 1e-12
 
 
 @compiled(inline="always")
-def _phase(z, n):
+def _phase(z: np.ndarray, n: int) -> float:
     """Current of phase ``n`` out of its leg, A."""
+    first: float = z[I_A]
     if n == 0:
-        return z[I_A]
-    side = 0.5 * _ROOT3 * z[I_B]
-    return -0.5 * z[I_A] + (side if n == 1 else -side)
+        return first
+    side: float = 0.5 * _ROOT3 * z[I_B]
+    return -0.5 * first + (side if n == 1 else -side)
 
 
 @compiled()
-def _bridge(pins, currents, bus, volts):
+def _bridge(pins: int, currents: np.ndarray, bus: float, volts: np.ndarray) -> None:
     """Set the voltages of the three legs for the gates in ``pins``."""
     held, total = 0, 0.0
     for n in range(3):
@@ -112,14 +113,15 @@ def _bridge(pins, currents, bus, volts):
 
 
 @compiled(inline="always")
-def _of_phases(volts, a, b):
+def _of_phases(volts: np.ndarray, a: float, b: float) -> float:
     """Sum over the legs of voltage by what flows out, which is ``a`` and ``b`` in α, β."""
     side = 0.5 * _ROOT3 * b
-    return volts[0] * a + volts[1] * (side - 0.5 * a) - volts[2] * (side + 0.5 * a)
+    drawn: float = volts[0] * a + volts[1] * (side - 0.5 * a) - volts[2] * (side + 0.5 * a)
+    return drawn
 
 
 @compiled()
-def _end_run_out(z, pins, before):
+def _end_run_out(z: np.ndarray, pins: int, before: np.ndarray) -> None:
     """Hold at zero the phases whose leg floats, or whose current ran out in the step.
 
     Along a phase and across it the windings know nothing of each other: what lies across stays.
@@ -143,7 +145,7 @@ def _end_run_out(z, pins, before):
 
 
 @compiled()
-def _sensed(z, kept, n, holds):
+def _sensed(z: np.ndarray, kept: np.ndarray, n: int, holds: np.ndarray | None) -> float:
     """The current of phase ``n`` as its ADC gets it, A, but for noise and offset."""
     if holds is None:
         return _phase(z, n)
@@ -152,7 +154,10 @@ def _sensed(z, kept, n, holds):
 
 
 @compiled()
-def leads_move(pins, currents, clock, dt, sensor, holds):
+def leads_move(
+    pins: int, currents: np.ndarray, clock: float, dt: float, sensor: np.ndarray,
+    holds: np.ndarray | None,
+) -> None:  # fmt: skip
     """Let the amplifiers of phases a and b hold their outputs at the edges of their own leads.
 
     A leg that floats is no edge: its lead is not driven.
@@ -172,7 +177,11 @@ def leads_move(pins, currents, clock, dt, sensor, holds):
 
 
 @compiled()
-def _catch_up(z, kept, marks, room, tables, steps, floats, ints, load, sensor, holds):
+def _catch_up(
+    z: np.ndarray, kept: np.ndarray, marks: np.ndarray, room: np.ndarray, tables: np.ndarray,
+    steps: np.ndarray, floats: np.ndarray, ints: np.ndarray, load: np.ndarray, sensor: np.ndarray,
+    holds: np.ndarray | None,
+) -> None:  # fmt: skip
     """Advance the motor to the present clock. ``room`` is for three currents and three voltages.
 
     ``holds`` is the memory of amplifiers that hold, None without.
@@ -206,7 +215,10 @@ def _catch_up(z, kept, marks, room, tables, steps, floats, ints, load, sensor, h
 
 
 @compiled()
-def _close_tick(z, kept, marks, pending, angles, floats, ints, load):
+def _close_tick(
+    z: np.ndarray, kept: np.ndarray, marks: np.ndarray, pending: np.ndarray, angles: np.ndarray,
+    floats: np.ndarray, ints: np.ndarray, load: np.ndarray,
+) -> None:  # fmt: skip
     """Keep the row of the tick that ends now until its waves are known."""
     tick = ints[loop.TICK_CLOCKS] * floats[loop.DT]
     place = kept[loop.CLOSED] % loop.PENDING
@@ -221,7 +233,10 @@ def _close_tick(z, kept, marks, pending, angles, floats, ints, load):
 
 
 @compiled()
-def _emit(row, words, place, pending, angles, waves, floats, ints):
+def _emit(
+    row: np.ndarray, words: np.ndarray, place: int, pending: np.ndarray, angles: np.ndarray,
+    waves: np.ndarray, floats: np.ndarray, ints: np.ndarray,
+) -> None:  # fmt: skip
     """A tick's row and words, of what the motor did and of the step that measured it."""
     for n in range(row.shape[0]):
         row[n] = pending[place, n]
@@ -252,7 +267,10 @@ def _emit(row, words, place, pending, angles, waves, floats, ints):
 
 
 @compiled(inline="always")
-def _wires(z, kept, pins, changed, ints, sensor, rng, holds):
+def _wires(
+    z: np.ndarray, kept: np.ndarray, pins: int, changed: int, ints: np.ndarray, sensor: np.ndarray,
+    rng: np.random.Generator, holds: np.ndarray | None,
+) -> None:  # fmt: skip
     """What both ADCs do at this change of the pins: they hold their inputs, or put out a bit."""
     if changed & 1 << _CS_N:
         if not pins & 1 << _CS_N:
@@ -273,17 +291,21 @@ def _wires(z, kept, pins, changed, ints, sensor, rng, holds):
 
 
 @compiled(inline="always")
-def _inputs(kept):
+def _inputs(kept: np.ndarray) -> int:
     """Levels of the ADCs' wires and of the encoder."""
-    return (
+    inputs: int = (
         ((kept[loop.SHIFT] >> 63) & 1)
         | ((kept[_SHIFT_B] >> 63) & 1) << 1
         | loop.encoder_levels(kept[loop.COUNT]) << 1
     )
+    return inputs
 
 
 @compiled_drawing
-def rest(z, kept, ints, sensor, rng, clocks):
+def rest(
+    z: np.ndarray, kept: np.ndarray, ints: np.ndarray, sensor: np.ndarray, rng: np.random.Generator,
+    clocks: int,
+) -> int:  # fmt: skip
     """Clock a board with the motor at rest; the clocks until a gate went on, else ``clocks``."""
     for n in range(clocks):
         pins = call2(ints[loop.CLOCK], ints[loop.MODEL], _inputs(kept))
@@ -297,9 +319,11 @@ def rest(z, kept, ints, sensor, rng, clocks):
 
 @compiled_drawing
 def _advance(
-    rows, words, z, kept, marks, room, pending, angles, waves, tables, steps, ints, floats, load,
-    sensor, rng, buffer, holds,
-):  # fmt: skip
+    rows: np.ndarray, words: np.ndarray, z: np.ndarray, kept: np.ndarray, marks: np.ndarray,
+    room: np.ndarray, pending: np.ndarray, angles: np.ndarray, waves: np.ndarray,
+    tables: np.ndarray, steps: np.ndarray, ints: np.ndarray, floats: np.ndarray, load: np.ndarray,
+    sensor: np.ndarray, rng: np.random.Generator, buffer: np.ndarray, holds: np.ndarray | None,
+) -> bool:  # fmt: skip
     """Clock the RTL until ``rows`` are filled; False if its core falls silent."""
     done = 0
     dt, cell, end_s = floats[loop.DT], floats[loop.CELL], floats[loop.ENCODER_END]
@@ -408,10 +432,10 @@ class BrushlessPinsSimulation(PinsSimulation):
     def _magnet(self, scene: Scene, ports: Ports) -> Values:
         return magnet_words(scene, self.settings, ports.start_count)
 
-    def _port_words(self, design: verilated.Design) -> ctypes.Array:
+    def _port_words(self, design: verilated.Design) -> ctypes.Array[ctypes.c_uint32]:
         return (ctypes.c_uint32 * 0)()  # they are written
 
-    def _new_model(self, words: ctypes.Array, inputs: int) -> int | None:
+    def _new_model(self, words: ctypes.Array[ctypes.c_uint32], inputs: int) -> int | None:
         return new_ports(self._library, self._design.sizes, [self._values] * AXES, inputs)
 
     def warm(self, plant: Any) -> None:

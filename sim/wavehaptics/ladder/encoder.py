@@ -20,7 +20,15 @@ from wavehaptics.controller import wave_core
 from wavehaptics.controller.settings import Settings, settings
 from wavehaptics.ladder.abilities import refuse
 from wavehaptics.laws import closed_forms
-from wavehaptics.motor.imperfections import MOTOR, counted, look, real_parts, supplied, warm_real
+from wavehaptics.motor.imperfections import (
+    MOTOR,
+    Real,
+    counted,
+    look,
+    real_parts,
+    supplied,
+    warm_real,
+)
 from wavehaptics.motor.plant import TIME, C, I, P, Plant, X, load_words, plant_step
 from wavehaptics.motor.step import motor_step
 from wavehaptics.motor.thermal import Winding
@@ -47,7 +55,7 @@ _VOLTAGE, _INTEGRAL, _COMMAND, _TOUCHING, _COUNT, _TICKS = range(6)
 
 
 @compiled(inline="always")
-def servo_torque(position, last, depth, touching, floats):
+def servo_torque(position: int, last: int, depth: int, touching: bool, floats: np.ndarray) -> float:
     """Torque that the servo asks for, N·m, from its counts at this sample and the one before.
 
     ``depth`` is the position less the wall's edge in counts, negative behind an upper edge, whose
@@ -58,11 +66,14 @@ def servo_torque(position, last, depth, touching, floats):
     if depth < 0:
         depth += 1
     omega = (position - last) * floats[CELL] * floats[_RATE]
-    return -floats[_STIFFNESS] * depth * floats[CELL] - floats[_DAMPING] * omega
+    torque: float = -floats[_STIFFNESS] * depth * floats[CELL] - floats[_DAMPING] * omega
+    return torque
 
 
 @compiled(inline="always")
-def amplifier_step(error, integral, kp, ki, limit, tick):
+def amplifier_step(
+    error: float, integral: float, kp: float, ki: float, limit: float, tick: float
+) -> tuple[float, float, float]:
     """A tick of the PI amplifier for a current that is ``error`` A too small.
 
     Returns the voltage within ±``limit`` V, the one that it asks for, and its integral, V.
@@ -76,8 +87,10 @@ def amplifier_step(error, integral, kp, ki, limit, tick):
 
 @compiled(error_model="numpy", fastmath={"contract", "nsz", "arcp"})
 def _advance(
-    rows, state, kept, line, contact, wall_min, wall_max, ints, floats, load, matrix, real
-):
+    rows: np.ndarray, state: np.ndarray, kept: np.ndarray, line: np.ndarray, contact: np.ndarray,
+    wall_min: np.ndarray, wall_max: np.ndarray, ints: np.ndarray, floats: np.ndarray,
+    load: np.ndarray, matrix: np.ndarray, real: Real | None,
+) -> None:  # fmt: skip
     dt = floats[_DT]
     substeps = ints[_SUBSTEPS]
     tick = dt * substeps

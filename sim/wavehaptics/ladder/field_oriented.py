@@ -70,23 +70,27 @@ _GAIN, _AMPS, _KP, _KI, _LIMIT, _TURN, _ZERO = range(SERVO_FLOATS, SERVO_FLOATS 
 
 
 @compiled(inline="always")
-def _measured(current, sensor, noise):
+def _measured(current: float, sensor: np.ndarray, noise: float) -> float:
     """A phase's current as its converter has it, A."""
     if sensor[IDEAL] != 0.0:
         return current
     code = sample_code(current, sensor, noise)
-    return code * sensor[FULL_SCALE] / (1 << (int(sensor[BITS]) - 1))
+    measured: float = code * sensor[FULL_SCALE] / (1 << (int(sensor[BITS]) - 1))
+    return measured
 
 
 @compiled(inline="always")
-def _at_end(measured, sensor):
+def _at_end(measured: float, sensor: np.ndarray) -> bool:
     """Whether a current of :func:`_measured` is at the end of the converter's range."""
     half = 1 << (int(sensor[BITS]) - 1)
-    return sensor[IDEAL] == 0.0 and abs(measured) * half > (half - 1.5) * sensor[FULL_SCALE]
+    ends: bool = sensor[IDEAL] == 0.0 and abs(measured) * half > (half - 1.5) * sensor[FULL_SCALE]
+    return ends
 
 
 @compiled(inline="always")
-def field_oriented_step(kept, floats, i_a, i_b, theta, wanted):
+def field_oriented_step(
+    kept: np.ndarray, floats: np.ndarray, i_a: float, i_b: float, theta: float, wanted: float
+) -> None:
     """One period of the current control, from two phases' currents in A and the angle in rad.
 
     What the last period came to goes on the bridge.
@@ -113,8 +117,10 @@ def field_oriented_step(kept, floats, i_a, i_b, theta, wanted):
 
 @compiled(error_model="numpy", fastmath={"contract", "nsz", "arcp"})
 def _advance(
-    rows, z, kept, line, contact, wall_min, wall_max, ints, floats, load, table, step, sensor, noise
-):
+    rows: np.ndarray, z: np.ndarray, kept: np.ndarray, line: np.ndarray, contact: np.ndarray,
+    wall_min: np.ndarray, wall_max: np.ndarray, ints: np.ndarray, floats: np.ndarray,
+    load: np.ndarray, table: np.ndarray, step: np.ndarray, sensor: np.ndarray, noise: np.ndarray,
+) -> None:  # fmt: skip
     substeps = ints[_SUBSTEPS]
     tick = step[0] * substeps
     for n in range(rows.shape[0]):

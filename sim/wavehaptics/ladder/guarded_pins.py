@@ -55,7 +55,7 @@ class GuardedPins(PinsSimulation):
     def _parameters(self) -> dict[str, int]:
         return {"GUARD": 1}
 
-    def _new_model(self, words: ctypes.Array, inputs: int) -> int | None:
+    def _new_model(self, words: ctypes.Array[ctypes.c_uint32], inputs: int) -> int | None:
         word = settings(self._limits, self.tick_s, self.sensor, self.settings.s)
         count = (WIDTH + 31) // 32
         guard = (ctypes.c_uint32 * count)(*(word >> 32 * n & 0xFFFFFFFF for n in range(count)))
@@ -68,7 +68,8 @@ class GuardedPins(PinsSimulation):
             ctypes.c_void_p, ctypes.POINTER(ctypes.c_int64)
         ]  # fmt: skip
         levels = self._limits.stop_level | self._limits.driver_level << 1
-        return new(words, inputs, guard, count, levels, bus_word(self._bus_v))
+        model: int | None = new(words, inputs, guard, count, levels, bus_word(self._bus_v))
+        return model
 
     def inject(self, kind: Injection, value: int = 1) -> None:
         """Do something to the inputs from the next clock on, and keep its clock as the cause's."""

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -97,7 +97,11 @@ _ROOM = 6
 
 
 @compiled(error_model="numpy", fastmath={"contract", "nsz", "arcp"})
-def _move(states, dt, arm, motors, sums, q, omega, jacobian, room, torque):
+def _move(
+    states: np.ndarray, dt: float, arm: tuple[np.ndarray, ...], motors: tuple[Any, ...],
+    sums: np.ndarray, q: np.ndarray, omega: np.ndarray, jacobian: np.ndarray, room: np.ndarray,
+    torque: np.ndarray,
+) -> None:  # fmt: skip
     """A step of ``dt`` s of all motors at the voltages in ``sums``, with the hand in its middle."""
     geometry, hand = arm
     matrices, loads, reals, sensors = motors
@@ -125,7 +129,7 @@ def _move(states, dt, arm, motors, sums, q, omega, jacobian, room, torque):
 
 
 @compiled(inline="always")
-def _begin(states, sums, motors):
+def _begin(states: np.ndarray, sums: np.ndarray, motors: tuple[Any, ...]) -> None:
     """The first moment of a tick."""
     for n in range(states.shape[0]):
         sums[_CHARGE, n] = sums[_SQUARE, n] = sums[_FLUX, n] = sums[_WORK, n] = 0.0
@@ -135,8 +139,11 @@ def _begin(states, sums, motors):
 
 
 @compiled(inline="always")
-def _put_motors(rows, n, tip_row, begin, tick, states, floats, sums, arm, q, jacobian, room,
-                torque, active):  # fmt: skip
+def _put_motors(
+    rows: np.ndarray, n: int, tip_row: np.ndarray, begin: float, tick: float, states: np.ndarray,
+    floats: np.ndarray, sums: np.ndarray, arm: tuple[np.ndarray, ...], q: np.ndarray,
+    jacobian: np.ndarray, room: np.ndarray, torque: np.ndarray, active: int,
+) -> None:  # fmt: skip
     """The motors' part of a tick's rows, and the tip's."""
     for motor in range(states.shape[0]):
         mean, k_t = sums[_CHARGE, motor] / tick, floats[motor, _K_T]
@@ -158,9 +165,13 @@ def _put_motors(rows, n, tip_row, begin, tick, states, floats, sums, arm, q, jac
 
 @compiled(error_model="numpy", fastmath={"contract", "nsz", "arcp"})
 def _advance_golden(
-    rows, words, tips, states, kept, cores, lines, contacts, walls, anchors, group, between, ints,
-    floats, dt, substeps, arm, motors, noises, sums, q, omega, jacobian, room, torque,
-):  # fmt: skip
+    rows: np.ndarray, words: np.ndarray, tips: np.ndarray, states: np.ndarray, kept: np.ndarray,
+    cores: np.ndarray, lines: np.ndarray, contacts: np.ndarray, walls: tuple[np.ndarray, ...],
+    anchors: tuple[np.ndarray, ...], group: tuple[np.ndarray, ...], between: tuple[np.ndarray, ...],
+    ints: np.ndarray, floats: np.ndarray, dt: float, substeps: int, arm: tuple[np.ndarray, ...],
+    motors: tuple[Any, ...], noises: np.ndarray, sums: np.ndarray, q: np.ndarray, omega: np.ndarray,
+    jacobian: np.ndarray, room: np.ndarray, torque: np.ndarray,
+) -> None:  # fmt: skip
     """Fill the rows, the words and the tip's rows; ``group`` is what the surfaces have, ``between``
     the line of a virtual shaft and its next row, −1 without one."""
     line, line_at = between
@@ -273,7 +284,7 @@ def _advance_golden(
 
 
 @compiled(inline="always")
-def _along(words, first, ports):
+def _along(words: np.ndarray, first: int, ports: np.ndarray) -> float:
     total = 0.0
     for port in range(_PORTS):
         total += words[first + port] * ports[port]
@@ -281,7 +292,10 @@ def _along(words, first, ports):
 
 
 @compiled(error_model="numpy", fastmath={"contract", "nsz", "arcp"})
-def _reflect(touching, memory, planes, vectors, most, law, free, waves):
+def _reflect(
+    touching: np.ndarray, memory: np.ndarray, planes: np.ndarray, vectors: np.ndarray, most: float,
+    law: np.ndarray, free: float, waves: np.ndarray,
+) -> int:  # fmt: skip
     """The law of :mod:`wavehaptics.controller.surfaces` in real numbers; how many surfaces act.
 
     ``touching`` int64 (MOST_ACTIVE,) are their numbers, ``memory`` (MOST_SURFACES, 3) what each
@@ -334,9 +348,11 @@ def _reflect(touching, memory, planes, vectors, most, law, free, waves):
 
 @compiled(error_model="numpy", fastmath={"contract", "nsz", "arcp"})
 def _advance_analog(
-    rows, tips, states, kept, walls, group, floats, dt, substeps, arm, motors, sums, q, omega,
-    jacobian, room, torque,
-):  # fmt: skip
+    rows: np.ndarray, tips: np.ndarray, states: np.ndarray, kept: np.ndarray,
+    walls: tuple[np.ndarray, ...], group: tuple[np.ndarray, ...], floats: np.ndarray, dt: float,
+    substeps: int, arm: tuple[np.ndarray, ...], motors: tuple[Any, ...], sums: np.ndarray,
+    q: np.ndarray, omega: np.ndarray, jacobian: np.ndarray, room: np.ndarray, torque: np.ndarray,
+) -> None:  # fmt: skip
     """Fill the rows and the tip's rows."""
     touching, memory, planes, vectors, most, law, waves = group
     wall_min, wall_max = walls
@@ -391,9 +407,11 @@ def _advance_analog(
 
 @compiled(error_model="numpy", fastmath={"contract", "nsz", "arcp"})
 def _advance_encoder(
-    rows, tips, states, kept, commands, acting, amplifiers, floats, dt, substeps, arm, motors, sums,
-    q, omega, jacobian, room, torque,
-):  # fmt: skip
+    rows: np.ndarray, tips: np.ndarray, states: np.ndarray, kept: np.ndarray, commands: np.ndarray,
+    acting: int, amplifiers: np.ndarray, floats: np.ndarray, dt: float, substeps: int,
+    arm: tuple[np.ndarray, ...], motors: tuple[Any, ...], sums: np.ndarray, q: np.ndarray,
+    omega: np.ndarray, jacobian: np.ndarray, room: np.ndarray, torque: np.ndarray,
+) -> None:  # fmt: skip
     """Fill the rows and the tip's rows; ``kept`` float64 (2, motors) are voltages and integrals,
     ``commands`` (motors,) in A."""
     count_ = states.shape[0]
@@ -469,7 +487,7 @@ class JointSimulation(JointLoop):
             Sensor.of_scene(scene).constants() if self.golden else Sensor(ideal=True).constants()
             for scene in scenes
         ])  # fmt: skip
-        self._motors = (
+        self._motors: tuple[Any, ...] = (
             np.array([plant.transition(self._dt) for plant in plants]),
             np.array([load_words(plant) for plant in plants]), reals, sensors,
         )  # fmt: skip

@@ -78,7 +78,8 @@ class JointHost:
         normal = np.array([1.0, 0.0, 0.0])
         if self.space.shapes:
             normal = self.space.shapes[0].depth(arm.tip(places)[None, :])[1][0]
-        return arm.jacobian(places).T @ normal
+        along: np.ndarray = arm.jacobian(places).T @ normal
+        return along
 
     def predicted(self) -> float | None:
         """K of the first surface where the run begins, ``1/Σ G_n²/K_n``, N/m; or what it wishes."""

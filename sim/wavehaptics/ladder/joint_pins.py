@@ -28,7 +28,10 @@ from wavehaptics.trace.tip import put_tip_row
 
 
 @compiled()
-def _put_tips(rows, tips, tick, arm, hand, active, q, jacobian, room, torque):
+def _put_tips(
+    rows: np.ndarray, tips: np.ndarray, tick: float, arm: np.ndarray, hand: np.ndarray,
+    active: np.ndarray, q: np.ndarray, jacobian: np.ndarray, room: np.ndarray, torque: np.ndarray,
+) -> None:  # fmt: skip
     """The tip's rows of ticks whose ``rows`` (motors, ticks, Column) are made."""
     for n in range(tips.shape[0]):
         for motor in range(q.shape[0]):

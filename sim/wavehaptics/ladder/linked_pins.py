@@ -74,13 +74,13 @@ class LinkedPins(PinsSimulation):
             "ARM": int(self._arm), "CLOCK_HZ": clock_hz, "CAPTURE": CAPTURE, "STREAM": 1,
         }  # fmt: skip
 
-    def _port_words(self, design: verilated.Design) -> ctypes.Array:
+    def _port_words(self, design: verilated.Design) -> ctypes.Array[ctypes.c_uint32]:
         return (ctypes.c_uint32 * 0)()  # it has none: settings come by the line
 
-    def _new_model(self, words: ctypes.Array, inputs: int) -> int | None:
+    def _new_model(self, words: ctypes.Array[ctypes.c_uint32], inputs: int) -> int | None:
         self._declare()
         inputs = sum(inputs << pins_loop.MOTOR_INPUTS * n for n in range(self.motors))
-        model = self._library.wh_linked_new(inputs, self.timing.tick_clocks)
+        model: int = self._library.wh_linked_new(inputs, self.timing.tick_clocks)
         gain = self._values["gain"]
         assert isinstance(gain, int)
         largest = WORDS["zero_limit"].fixed.raw_max

@@ -76,7 +76,7 @@ def true_bus_v(scene: Scene) -> float:
 
 def pass_ticks(
     rows: Sequence[np.ndarray], words: Sequence[np.ndarray], kept: np.ndarray,
-    motors: Sequence[PinsSimulation], clocks: int = 0, tip: tuple | None = None,
+    motors: Sequence[PinsSimulation], clocks: int = 0, tip: tuple[Any, ...] | None = None,
 ) -> None:  # fmt: skip
     """Fill the ``rows`` and ``words`` of each motor, all of them at one controller.
 
@@ -90,8 +90,9 @@ def pass_ticks(
 
 
 def pass_clocks(
-    clocks: int, kept: np.ndarray, motors: Sequence[PinsSimulation], tip: tuple | None = None
-) -> None:
+    clocks: int, kept: np.ndarray, motors: Sequence[PinsSimulation],
+    tip: tuple[Any, ...] | None = None,
+) -> None:  # fmt: skip
     """Let clocks pass of which no rows are made."""
     none, no_words = np.zeros((0, len(Column))), np.zeros((0, len(Word)), dtype=np.int64)
     pass_ticks([none] * len(motors), [no_words] * len(motors), kept, motors, clocks, tip)
@@ -133,7 +134,7 @@ class PinsSimulation:
         self._longest = min(STEPS, max(1, math.floor(time.clock_hz * plant.longest_step_s)))
         self._model: int | None = None
         self._begin(scene, ports, host)
-        self._state = plant.start.copy()
+        self._state: np.ndarray = plant.start.copy()
         self._kept = np.zeros(self.KEPT, dtype=np.int64)
         self._kept[pins_loop.COUNT] = ports.start_count
         self._kept[pins_loop.TICK_START] = -1
@@ -232,7 +233,7 @@ class PinsSimulation:
         del scene, ports
         return {}
 
-    def _port_words(self, design: verilated.Design) -> ctypes.Array:
+    def _port_words(self, design: verilated.Design) -> ctypes.Array[ctypes.c_uint32]:
         """The settings as ports of the RTL take them."""
         return verilated.words_of(design, self._values)
 
@@ -289,7 +290,7 @@ class PinsSimulation:
         """Parameters of the RTL besides the scene's."""
         return {}
 
-    def _new_model(self, words: ctypes.Array, inputs: int) -> int | None:
+    def _new_model(self, words: ctypes.Array[ctypes.c_uint32], inputs: int) -> int | None:
         return verilated.new_model(self._library.wh_pins_new, words, inputs)
 
     def advance(self, rows: np.ndarray, words: np.ndarray) -> None:
@@ -307,7 +308,7 @@ class PinsSimulation:
         pass_ticks([rows], [words], self._kept[np.newaxis], [self])
 
     @property
-    def parts(self) -> tuple:
+    def parts(self) -> pins_loop.Motor:
         """The motor as :func:`pins_loop.advance` takes it."""
         return (
             self._state, self._kept, self._sums, self._pending, self._tables, self._ints,

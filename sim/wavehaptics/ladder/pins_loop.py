@@ -7,6 +7,8 @@ of ticks, each time exactly, by a table of matrix exponentials for whole numbers
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from wavehaptics.controller.anchor import FOLLOWER_TICKS, SEEN_CELLS
@@ -31,6 +33,7 @@ from wavehaptics.motor.imperfections import (
     READINGS,
     SUPPLY,
     VOLTS,
+    Real,
 )
 from wavehaptics.motor.plant import OMEGA, TIME, C, I, P, X, plant_step
 from wavehaptics.motor.sensor import (
@@ -101,6 +104,7 @@ POSITION_WORD = 9
 ) = range(15)  # fmt: skip
 # Places in what the loop has of a motor.
 STATE, KEPT, SUMS, TICKS, TABLES, INTS, FLOATS, PLANT, ADC, DRAWS, STEP, MODULATOR, REAL = range(13)
+Motor = tuple[Any, ...]
 # Places in the sums of the tick that is running. Behind them, where the supply takes nothing back
 # (FARAD): what the bus' capacitors hold, and the highest bus so far, V. At last the torque that a
 # hand at the tip of several motors has against this rotor, N·m.
@@ -112,21 +116,22 @@ ARM, HAND, HAND_CLOCKS, ACTIVE, Q, OMEGAS, JACOBIAN, PLACES, TORQUES = range(9)
 
 
 @compiled(inline="always")
-def bus_at(time, floats):
+def bus_at(time: float, floats: np.ndarray) -> float:
     """The true bus, V."""
-    if floats[RIPPLE] == 0.0:
-        return floats[BUS]
-    return floats[BUS] + floats[RIPPLE] * np.sin(floats[RIPPLE_RAD_S] * time)
+    bus: float = floats[BUS]
+    if floats[RIPPLE] != 0.0:
+        bus += floats[RIPPLE] * np.sin(floats[RIPPLE_RAD_S] * time)
+    return bus
 
 
 @compiled(inline="always")
-def held_bus(bus, floats, sums):
+def held_bus(bus: float, floats: np.ndarray, sums: np.ndarray) -> float:
     """The bus where the supply has ``bus`` V: one that takes nothing back lets it be higher."""
     return max(bus, sums[HELD_V]) if floats[FARAD] != 0.0 else bus
 
 
 @compiled(inline="always")
-def draw_charge(bus, charge, floats, sums):
+def draw_charge(bus: float, charge: float, floats: np.ndarray, sums: np.ndarray) -> None:
     """The bridge has drawn ``charge`` from ``bus`` V, or returned it: less than 0."""
     if floats[FARAD] != 0.0:
         sums[HELD_V] = bus - charge / floats[FARAD]
@@ -134,7 +139,7 @@ def draw_charge(bus, charge, floats, sums):
 
 
 @compiled()
-def _true_bus(time, floats, real, sums):
+def _true_bus(time: float, floats: np.ndarray, real: Real | None, sums: np.ndarray) -> float:
     """The bus, V. It sags by the last tick's load: between two ticks its capacitors hold it."""
     bus = bus_at(time, floats)
     if real is not None:
@@ -146,7 +151,7 @@ def _true_bus(time, floats, real, sums):
 
 
 @compiled()
-def _end_load(real, tick_s):
+def _end_load(real: Real | None, tick_s: float) -> None:
     """The bus has the mean load of the tick that ends from now on."""
     if real is not None:
         real[LAG][LOAD] = real[LAG][DRAWN] / tick_s
@@ -154,9 +159,9 @@ def _end_load(real, tick_s):
 
 
 @compiled()
-def _followed(state, sensor, real):
+def _followed(state: np.ndarray, sensor: np.ndarray, real: Real | None) -> float:
     """The amplifier's output where it isn't held, A."""
-    current = state[I]
+    current: float = state[I]
     if real is not None:
         if sensor[LAG_RATE] != 0.0:
             current = real[LAG][AMPLIFIED]
@@ -165,7 +170,7 @@ def _followed(state, sensor, real):
 
 
 @compiled()
-def _sensed(state, clock, sensor, real):
+def _sensed(state: np.ndarray, clock: int, sensor: np.ndarray, real: Real | None) -> float:
     """The current as the ADC gets it, A, but for noise and offset."""
     current = _followed(state, sensor, real)
     if real is not None and sensor[HOLD_S] != 0.0:
@@ -174,7 +179,10 @@ def _sensed(state, clock, sensor, real):
 
 
 @compiled()
-def _step(state, table, step_s, clocks, e, legs, load, besides, sensor, real):
+def _step(
+    state: np.ndarray, table: np.ndarray, step_s: float, clocks: int, e: float, legs: float,
+    load: np.ndarray, besides: float, sensor: np.ndarray, real: Real | None,
+) -> tuple[float, float]:  # fmt: skip
     """One step at ``e`` V, which is ``legs`` times the bus; ∫i dt and ∫i² dt.
 
     ``besides`` acts against the rotor, N·m.
@@ -198,7 +206,7 @@ def _step(state, table, step_s, clocks, e, legs, load, besides, sensor, real):
 
 
 @compiled(inline="always")
-def _lead_moves(lead, sensor, memory):
+def _lead_moves(lead: float, sensor: np.ndarray, memory: np.ndarray) -> None:
     """What an edge of lead A, at ``lead`` from now on, adds to the amplifier's output."""
     if sensor[SETTLE_RATE] != 0.0 and lead != memory[LEAD]:
         if memory[LEAD] != 0.0:
@@ -207,7 +215,10 @@ def _lead_moves(lead, sensor, memory):
 
 
 @compiled()
-def _catch_up(state, kept, sums, tables, floats, ints, load, sensor, real):
+def _catch_up(
+    state: np.ndarray, kept: np.ndarray, sums: np.ndarray, tables: np.ndarray, floats: np.ndarray,
+    ints: np.ndarray, load: np.ndarray, sensor: np.ndarray, real: Real | None,
+) -> None:  # fmt: skip
     """Advance the motor to the present clock."""
     clocks = kept[NOW] - kept[ADVANCED]
     while clocks > 0:
@@ -265,7 +276,9 @@ FIRST_LOOK = 32
 
 
 @compiled()
-def next_edge(state, kept, cell, dt, end_s, real):
+def next_edge(
+    state: np.ndarray, kept: np.ndarray, cell: float, dt: float, end_s: float, real: Real | None
+) -> None:
     """Set the count, until ``end_s``, and the clock at which it is to be looked at again.
 
     The rotor is taken to keep its speed until then, for at most 32 clocks; it can't change by more
@@ -306,7 +319,7 @@ def next_edge(state, kept, cell, dt, end_s, real):
 
 
 @compiled(inline="always")
-def encoder_levels(count):
+def encoder_levels(count: int) -> int:
     """A and B at their places in the inputs: Gray code, A leads B when the count rises."""
     quarter = count & 3
     a = 1 if quarter == 1 or quarter == 2 else 0
@@ -314,7 +327,10 @@ def encoder_levels(count):
 
 
 @compiled()
-def _close_tick(state, kept, sums, pending, floats, ints):
+def _close_tick(
+    state: np.ndarray, kept: np.ndarray, sums: np.ndarray, pending: np.ndarray, floats: np.ndarray,
+    ints: np.ndarray,
+) -> None:  # fmt: skip
     """Keep the row of the tick that ends now until its waves are known."""
     tick = ints[TICK_CLOCKS] * floats[DT]
     mean = sums[CHARGE] / tick
@@ -332,7 +348,10 @@ def _close_tick(state, kept, sums, pending, floats, ints):
 
 
 @compiled()
-def _emit(rows, words, done, kept, pending, floats, ints, buffer):
+def _emit(
+    rows: np.ndarray, words: np.ndarray, done: int, kept: np.ndarray, pending: np.ndarray,
+    floats: np.ndarray, ints: np.ndarray, buffer: np.ndarray,
+) -> None:  # fmt: skip
     """The oldest tick that has ended, with the words of its step."""
     cell = floats[CELL]
     touching = kept[TOUCHED]
@@ -369,17 +388,20 @@ def _emit(rows, words, done, kept, pending, floats, ints, buffer):
 
 
 @compiled(inline="always")
-def modulated(current, sensor, osr, rng):
+def modulated(current: float, sensor: np.ndarray, osr: int, rng: np.random.Generator) -> float:
     """Input of a modulator in parts of its full scale; the noise of a bit makes that of a word."""
     if sensor[NOISE] > 0.0:
         current += sensor[NOISE] * np.sqrt(osr / WORD_NOISE) * rng.standard_normal()
-    return (current + sensor[OFFSET]) / sensor[FULL_SCALE]
+    level: float = (current + sensor[OFFSET]) / sensor[FULL_SCALE]
+    return level
 
 
 @compiled(inline="always")
 def _follow(
-    changed, pins, state, kept, sums, tables, ints, floats, load, sensor, rng, bits, real
-):  # fmt: skip
+    changed: int, pins: int, state: np.ndarray, kept: np.ndarray, sums: np.ndarray,
+    tables: np.ndarray, ints: np.ndarray, floats: np.ndarray, load: np.ndarray, sensor: np.ndarray,
+    rng: np.random.Generator, bits: np.ndarray, real: Real | None,
+) -> None:  # fmt: skip
     """What a motor and its ADC make of the pins, of which these have changed in this clock."""
     if changed & 15:
         _catch_up(state, kept, sums, tables, floats, ints, load, sensor, real)
@@ -407,7 +429,7 @@ def _follow(
 
 
 @compiled(inline="always")
-def _of_motor(pins, n):
+def _of_motor(pins: int, n: int) -> int:
     """Pins as a single motor has them: what all share, and the gates of motor ``n``."""
     if n == 0:
         return pins & _SEEN
@@ -415,7 +437,7 @@ def _of_motor(pins, n):
 
 
 @compiled(inline="always")
-def _inputs(kept):
+def _inputs(kept: np.ndarray) -> int:
     """Inputs of all motors."""
     found = 0
     for n in range(kept.shape[0]):
@@ -425,16 +447,16 @@ def _inputs(kept):
 
 
 @compiled(inline="always")
-def _next_look(kept):
+def _next_look(kept: np.ndarray) -> int:
     """Clock at which the first of the encoders has to be looked at again."""
-    found = kept[0, NEXT_LOOK]
+    found: int = kept[0, NEXT_LOOK]
     for n in range(1, kept.shape[0]):
         found = min(found, kept[n, NEXT_LOOK])
     return found
 
 
 @compiled()
-def _wires(told, changed, motors):
+def _wires(told: int, changed: int, motors: tuple[Motor, ...]) -> None:
     """What the motors and their ADCs make of pins that have changed."""
     for n in range(len(motors)):
         own = _of_motor(changed, n) & _WIRES
@@ -447,7 +469,7 @@ def _wires(told, changed, motors):
 
 
 @compiled()
-def _edges(now, motors):
+def _edges(now: int, motors: tuple[Motor, ...]) -> None:
     """Look at the encoders whose time it is."""
     for n in range(len(motors)):
         state, kept, _, _, _, _, floats, _, _, _, _, _, real = motors[n]
@@ -456,7 +478,7 @@ def _edges(now, motors):
 
 
 @compiled()
-def _pull(now, motors, tip):
+def _pull(now: int, motors: tuple[Motor, ...], tip: tuple[Any, ...]) -> None:
     """The hand at the tip pulls by what it is in the middle of its coming step."""
     half_s = 0.5 * tip[HAND_CLOCKS][1] * motors[0][FLOATS][DT]
     for n in range(len(motors)):
@@ -474,14 +496,17 @@ def _pull(now, motors, tip):
 
 
 @compiled(inline="always")
-def _put_acting(n, at, buffer, tip):
+def _put_acting(n: int, at: int, buffer: np.ndarray, tip: tuple[Any, ...] | None) -> None:
     """How many surfaces act in a tick, which all motors have in common."""
     if tip is not None and n == 0:
         tip[ACTIVE][at] = buffer[ACTING]
 
 
 @compiled()
-def _step_done(told, rows, words, done, motors, tip):
+def _step_done(
+    told: int, rows: tuple[np.ndarray, ...], words: tuple[np.ndarray, ...], done: np.ndarray,
+    motors: tuple[Motor, ...], tip: tuple[Any, ...] | None,
+) -> bool:  # fmt: skip
     """A step's words are there; whether the row that waited for them is made."""
     n = (told >> _PORT) & 7
     _, kept, _, pending, _, ints, floats, _, _, _, buffer, _, _ = motors[n]
@@ -500,7 +525,10 @@ def _step_done(told, rows, words, done, motors, tip):
 
 
 @compiled()
-def _end_tick(told, rows, words, done, motors, tip):
+def _end_tick(
+    told: int, rows: tuple[np.ndarray, ...], words: tuple[np.ndarray, ...], done: np.ndarray,
+    motors: tuple[Motor, ...], tip: tuple[Any, ...] | None,
+) -> int:  # fmt: skip
     """A tick of all motors ends; how many rows are made. Without rows the motors move on alone."""
     made = 0
     for n in range(len(motors)):
@@ -535,7 +563,10 @@ def _end_tick(told, rows, words, done, motors, tip):
 
 
 @compiled_drawing
-def advance(rows, words, clocks, done, kept, motors, tip):
+def advance(
+    rows: tuple[np.ndarray, ...], words: tuple[np.ndarray, ...], clocks: int, done: np.ndarray,
+    kept: np.ndarray, motors: tuple[Motor, ...], tip: tuple[Any, ...] | None,
+) -> bool:  # fmt: skip
     """Clock the RTL until ``rows`` and ``words`` are filled; False if a core falls silent.
 
     They are of each motor; without ticks ``clocks`` pass. ``motors`` are tuples in the order of

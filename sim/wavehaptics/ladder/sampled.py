@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import ctypes
 import math
+from typing import Any
 
 import numpy as np
 
@@ -20,6 +21,7 @@ from wavehaptics.motor.imperfections import (
     LAG,
     LAG_TABLE,
     MOTOR,
+    Real,
     amplified,
     counted,
     real_parts,
@@ -66,9 +68,12 @@ _VOLTAGE_WORD, _CLOCKS, _POSITION, _WAVE_VOLTAGE, _CORRECTION, _SEQUENCE, _MEAN_
 
 @compiled(error_model="numpy", fastmath={"contract", "nsz", "arcp"})
 def _advance(
-    rows, words, state, kept, core, line, contact, wall_min, wall_max, shaper, anchored, host, ints,
-    floats, load, matrix, real, sensor, noise, buffer,
-):  # fmt: skip
+    rows: np.ndarray, words: np.ndarray, state: np.ndarray, kept: np.ndarray, core: np.ndarray,
+    line: np.ndarray, contact: np.ndarray, wall_min: np.ndarray, wall_max: np.ndarray,
+    shaper: tuple[Any, ...], anchored: tuple[Any, ...] | None, host: tuple[Any, ...] | None,
+    ints: np.ndarray, floats: np.ndarray, load: np.ndarray, matrix: np.ndarray, real: Real | None,
+    sensor: np.ndarray, noise: np.ndarray, buffer: np.ndarray,
+) -> bool:  # fmt: skip
     """Fill ``rows`` and ``words``; False if the RTL didn't answer.
 
     ``shaper`` holds W's coefficients, its states and which walls it shapes, ``anchored`` the
@@ -297,13 +302,13 @@ def core_design(set_: Settings) -> verilated.Design:
     return verilated.Design("wh_core_port", "core_shim.cpp", sizes)
 
 
-def core_words(set_: Settings, **others: int) -> ctypes.Array:
+def core_words(set_: Settings, **others: int) -> ctypes.Array[ctypes.c_uint32]:
     """The settings as the core's shim takes them, and ``others`` in place of some."""
     words = {**set_.words(), "hold_ticks": set_.extra_ticks, **others}
     return verilated.words_of(core_design(set_), words)
 
 
-def load_core(set_: Settings):
+def load_core(set_: Settings) -> tuple[ctypes.CDLL, int, int]:
     """(library, a model, address of its step) of the core's RTL with these settings."""
     library = verilated.load(core_design(set_))
     verilated.declare_destructor(library.wh_core_delete)

@@ -99,10 +99,11 @@ def new_ports(
     new = library.wh_ports_new
     words = ctypes.POINTER(ctypes.c_uint32)
     new.argtypes, new.restype = [words, words, *[ctypes.c_int64] * 4], ctypes.c_void_p
-    return new(
+    model: int | None = new(
         (ctypes.c_uint32 * len(shared))(*shared), (ctypes.c_uint32 * len(pairs))(*pairs),
         len(pairs) // 2, values[0]["bus"], budget, inputs,
     )  # fmt: skip
+    return model
 
 
 class _Motor(PinsSimulation):

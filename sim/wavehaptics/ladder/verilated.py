@@ -234,7 +234,8 @@ def new_model(function: Any, words: ctypes.Array[ctypes.c_uint32], *more: int) -
     """A model of the library, made by the function with :func:`words_of` and what else it takes."""
     function.argtypes = [ctypes.POINTER(ctypes.c_uint32), *[ctypes.c_int64] * len(more)]
     function.restype = ctypes.c_void_p
-    return function(words, *more)
+    model: int = function(words, *more)
+    return model
 
 
 def declare_destructor(function: Any) -> None:

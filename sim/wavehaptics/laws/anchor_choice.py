@@ -135,5 +135,5 @@ def choose_zero_rate(r_hat: float, cell_vs: float, full_scale_a: float) -> float
 
 
 def _usual_ohm(r_hat: float, l_hat: float, tick_s: float, extra_ticks: int) -> float:
-    most = MOST_OF_TICK / max(1, extra_ticks) ** LESS_BY_LATENCY
+    most: float = MOST_OF_TICK / max(1, extra_ticks) ** LESS_BY_LATENCY
     return min(ANCHOR_OF_R * r_hat, most * l_hat / tick_s)

@@ -58,7 +58,8 @@ class Arm:
     def elbow(self, q: Sequence[float] | np.ndarray) -> np.ndarray:
         """End of the first link of a PLANAR arm at ``q``: float64 (2,), m."""
         angle = self.geometry[_HOME] + q[0] / self.geometry[_RATIO]
-        return self.geometry[_L1] * np.array([math.cos(angle), math.sin(angle)])
+        place: np.ndarray = self.geometry[_L1] * np.array([math.cos(angle), math.sin(angle)])
+        return place
 
     def jacobian(self, q: Sequence[float] | np.ndarray) -> np.ndarray:
         """J of ``dp = J dq`` at ``q`` (motors,): float64 (3, motors), m/rad of the motors."""
@@ -89,12 +90,13 @@ def matrix_arm(jacobian: Sequence[Sequence[float]]) -> Arm:
 
 
 @compiled(inline="always")
-def _angle(geometry, q, n):
-    return geometry[_HOME + n] + q[n] / geometry[_RATIO + n]
+def _angle(geometry: np.ndarray, q: np.ndarray, n: int) -> float:
+    angle: float = geometry[_HOME + n] + q[n] / geometry[_RATIO + n]
+    return angle
 
 
 @compiled()
-def put_tip(geometry, q, out):
+def put_tip(geometry: np.ndarray, q: np.ndarray, out: np.ndarray) -> None:
     """Place of the tip into ``out`` float64 (3,), m; ``q`` float64 (motors,), rad."""
     if geometry[_KIND] == MATRIX:
         for row in range(3):
@@ -117,7 +119,7 @@ def put_tip(geometry, q, out):
 
 
 @compiled()
-def put_jacobian(geometry, q, out):
+def put_jacobian(geometry: np.ndarray, q: np.ndarray, out: np.ndarray) -> None:
     """J of ``dp = J dq`` into ``out`` float64 (3, motors), m/rad of the motors."""
     if geometry[_KIND] == MATRIX:
         for row in range(3):
@@ -147,7 +149,7 @@ def put_jacobian(geometry, q, out):
 
 
 @compiled()
-def put_tip_force(jacobian, torque, out):
+def put_tip_force(jacobian: np.ndarray, torque: np.ndarray, out: np.ndarray) -> None:
     """The least force at the tip that ``torque`` (motors,) in N·m is, ``F = J (JᵀJ)⁻¹ τ``, N.
 
     Into ``out`` float64 (3,). It is 0 at a singularity, where no force is these torques.
@@ -187,7 +189,10 @@ def put_tip_force(jacobian, torque, out):
 
 
 @compiled()
-def put_compliance(geometry, angles, normals, joint_compliance, jacobian, out):
+def put_compliance(
+    geometry: np.ndarray, angles: np.ndarray, normals: np.ndarray, joint_compliance: np.ndarray,
+    jacobian: np.ndarray, out: np.ndarray,
+) -> None:  # fmt: skip
     """``Σ G_n²/K_n`` with ``G = Jᵀn`` at each of some places into ``out`` (places,), m/N.
 
     ``angles`` float64 (places, motors) in rad, ``normals`` (places, 3), ``joint_compliance``

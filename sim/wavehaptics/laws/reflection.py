@@ -44,7 +44,8 @@ class Wish:
     def felt(self, s: np.ndarray) -> np.ndarray:
         """Z(s) at the shaft: the environment behind K_L,eff, N·m·s/rad."""
         z = self.environment(s)
-        return z * self.front / (self.front + s * z)
+        felt: np.ndarray = z * self.front / (self.front + s * z)
+        return felt
 
 
 def front_stiffness(k_t: float, inductance: float, r_hat: float, tau_s: float) -> float:
@@ -75,7 +76,8 @@ def reflection(wish: Wish, wave_damper: float) -> tuple[np.ndarray, np.ndarray]:
 
 def excess(top: np.ndarray, bottom: np.ndarray) -> np.ndarray:
     """``|bottom(jω)|² − |top(jω)|²`` as a polynomial of ω², below zero where ``|W| > 1``."""
-    return _square(bottom) - _square(top)
+    found: np.ndarray = _square(bottom) - _square(top)
+    return found
 
 
 def worst_frequency(top: np.ndarray, bottom: np.ndarray) -> tuple[float, float]:

@@ -66,7 +66,7 @@ def new_readings(x: float, cell: float, words: np.ndarray) -> np.ndarray:
 
 
 @compiled(inline="always")
-def _mixed(n):
+def _mixed(n: int) -> int:
     """A number of 32 bits for each ``n``, as if by chance."""
     mixed = (n + 1) * 0x9E3779B1 & 0xFFFFFFFF
     mixed = (mixed ^ (mixed >> 15)) * 0x85EBCA6B & 0xFFFFFFFF
@@ -75,7 +75,7 @@ def _mixed(n):
 
 
 @compiled(inline="always")
-def _normal(n):
+def _normal(n: int) -> float:
     """Normal noise of reading ``n``, RMS 1."""
     first, second = _mixed(2 * n) + 0.5, _mixed(2 * n + 1) + 0.5
     share = 1.0 / 4294967296.0
@@ -83,7 +83,7 @@ def _normal(n):
 
 
 @compiled(inline="always")
-def _arrive(time, words, memory):
+def _arrive(time: float, words: np.ndarray, memory: np.ndarray) -> None:
     """Let the count follow the readings that have arrived."""
     span, hysteresis = words[SPAN], words[HYSTERESIS]
     under_way = memory.shape[0] - RING
@@ -103,7 +103,9 @@ def _arrive(time, words, memory):
 
 
 @compiled()
-def absolute_count(x, time, cell, words, memory):
+def absolute_count(
+    x: float, time: float, cell: float, words: np.ndarray, memory: np.ndarray
+) -> int:
     """The count at ``time`` with the rotor at ``x``; ``memory`` is updated."""
     period = words[PERIOD_S]
     under_way = memory.shape[0] - RING

@@ -75,13 +75,14 @@ def noise_course(seed: int) -> np.ndarray:
     kicks *= math.sqrt((1 - keep**2) / ((2 + keep) / 3))
     from scipy.signal import lfilter  # a second to import, and few scenes have contact noise
 
-    course = lfilter([1.0], [1.0, -keep], kicks)
+    course: np.ndarray = lfilter([1.0], [1.0, -keep], kicks)
     # What the end leaves for the beginning: the round closes.
-    return course + course[-1] * keep ** np.arange(1, NOISE_POINTS + 1)
+    course += course[-1] * keep ** np.arange(1, NOISE_POINTS + 1)
+    return course
 
 
 @compiled(inline="always")
-def brush_drop(current, words):
+def brush_drop(current: float, words: np.ndarray) -> tuple[float, float]:
     """Voltage of the brushes at a current in A, and its slope: V, Ω."""
     # The hyperbolic tangent by the exponential, which is twice as fast and overflows rightly.
     part = 1.0 - 2.0 / (np.exp(words[TWICE_PER_KNEE] * current) + 1.0)
@@ -89,17 +90,20 @@ def brush_drop(current, words):
 
 
 @compiled(inline="always")
-def noise_at_place(at, rate, course):
+def noise_at_place(at: float, rate: float, course: np.ndarray) -> float:
     """A noise at a time or an angle, in units of its RMS."""
     place = at * rate
     whole = np.floor(place)
     first = int(whole) & (course.shape[0] - 1)
     second = (first + 1) & (course.shape[0] - 1)
-    return course[first] + (place - whole) * (course[second] - course[first])
+    noise: float = course[first] + (place - whole) * (course[second] - course[first])
+    return noise
 
 
 @compiled(inline="always")
-def contact_ohm(x, time, words, noise, flicker):
+def contact_ohm(
+    x: float, time: float, words: np.ndarray, noise: np.ndarray, flicker: np.ndarray
+) -> float:
     """What the brushes add to R at the angle ``x`` in rad and the ``time`` in s, Ω."""
     ohm = 0.0
     if words[RIPPLE] != 0.0:

@@ -170,19 +170,20 @@ class BrushlessPlant:
 
 
 @compiled(inline="always")
-def electrical_angle(x, load):
+def electrical_angle(x: float, load: np.ndarray) -> float:
     """θ of a rotor at ``x``, rad."""
-    return load[PAIRS] * (x - load[MAGNET])
+    theta: float = load[PAIRS] * (x - load[MAGNET])
+    return theta
 
 
 @compiled(inline="always")
-def along_q(alpha, beta, theta):
+def along_q(alpha: float, beta: float, theta: float) -> float:
     """Part of a vector along q."""
     return math.cos(theta) * beta - math.sin(theta) * alpha
 
 
 @compiled(inline="always")
-def _shape(theta, load):
+def _shape(theta: float, load: np.ndarray) -> tuple[float, float]:
     """g, the back-EMF of both axes over that of a sinusoidal phase's amplitude."""
     alpha, beta = -math.sin(theta), math.cos(theta)
     if load[HARMONIC_5] != 0.0:
@@ -195,7 +196,9 @@ def _shape(theta, load):
 
 
 @compiled(inline="always")
-def brushless_step(z, table_a, table_b, step, load):
+def brushless_step(
+    z: np.ndarray, table_a: np.ndarray, table_b: np.ndarray, step: np.ndarray, load: np.ndarray
+) -> None:
     """Advance the state by ``step``, each axis by its own table; all are those of a plant."""
     dt = step[DURATION]
     i_a, i_b, f_a, f_b = z[I_A], z[I_B], z[F_A], z[F_B]

@@ -34,7 +34,9 @@ def cable_words(plant: Plant) -> np.ndarray:
 
 
 @compiled(inline="always")
-def _toward_line(y, start, slope, time_constant, step_s):
+def _toward_line(
+    y: float, start: float, slope: float, time_constant: float, step_s: float
+) -> tuple[float, float]:
     """(y at the end, its mean) of ``T dy/dt = line − y`` for a line of that start and slope."""
     first = start - slope * time_constant
     if time_constant <= 1e-6 * step_s:
@@ -46,7 +48,7 @@ def _toward_line(y, start, slope, time_constant, step_s):
 
 
 @compiled(inline="always")
-def _side(way, gap):
+def _side(way: float, gap: float) -> float:
     """On which side of the play the cable pulls, ±1, or 0 within it; 0 without any as well."""
     if gap == 0.0:
         return 0.0
@@ -54,7 +56,9 @@ def _side(way, gap):
 
 
 @compiled()
-def cable_torque(state, x, omega, y, step_s, words):
+def cable_torque(
+    state: np.ndarray, x: float, omega: float, y: float, step_s: float, words: np.ndarray
+) -> tuple[float, float]:
     """Mean torque of the cable against the rotor over a step, N·m, and y at its end.
 
     ``state`` is the motor's, for the hand's path; the rotor begins at ``x`` and moves at ``omega``.
@@ -80,7 +84,10 @@ def cable_torque(state, x, omega, y, step_s, words):
 
 
 @compiled()
-def massive_end_torque(state, x, omega, y, speed, step_s, words):
+def massive_end_torque(
+    state: np.ndarray, x: float, omega: float, y: float, speed: float, step_s: float,
+    words: np.ndarray,
+) -> tuple[float, float, float]:  # fmt: skip
     """As :func:`cable_torque` where the end has a mass and a ``speed``; that at its end as well."""
     k_c, b_c, k_h, b_h = words[CABLE_K], words[CABLE_B], words[HAND_K], words[HAND_B]
     half = 0.5 * step_s

@@ -19,8 +19,9 @@ def cogging_words(cogging: Cogging | None) -> np.ndarray:
 
 
 @compiled(inline="always")
-def cogging_torque(x, words):
+def cogging_torque(x: float, words: np.ndarray) -> float:
     """Torque against a rotor at ``x``, N·m."""
     if words[TORQUE] == 0.0:
         return 0.0
-    return words[TORQUE] * np.sin(words[PER_REV] * x)
+    torque: float = words[TORQUE] * np.sin(words[PER_REV] * x)
+    return torque

@@ -46,7 +46,7 @@ def new_lines(x: float, cell: float, words: np.ndarray) -> np.ndarray:
 
 
 @compiled(inline="always")
-def edge_place(n, words):
+def edge_place(n: int, words: np.ndarray) -> float:
     """Where edge ``n`` stands, in cells."""
     if words[UNEVEN] == 0.0:
         return float(n)
@@ -54,11 +54,12 @@ def edge_place(n, words):
     mixed = (mixed ^ (mixed >> 15)) * 0x85EBCA6B & 0xFFFFFFFF
     mixed = (mixed ^ (mixed >> 13)) * 0xC2B2AE35 & 0xFFFFFFFF
     mixed ^= mixed >> 16
-    return n + words[UNEVEN] * (mixed / 2147483648.0 - 1.0)
+    place: float = n + words[UNEVEN] * (mixed / 2147483648.0 - 1.0)
+    return place
 
 
 @compiled(inline="always")
-def cell_of(x, cell, words):
+def cell_of(x: float, cell: float, words: np.ndarray) -> int:
     """Number of the edge below ``x``."""
     place = x / cell
     # Displaced by less than half a cell, only the nearest edge can be on the other side.
@@ -67,17 +68,18 @@ def cell_of(x, cell, words):
 
 
 @compiled(inline="always")
-def seen_edges(n, words):
+def seen_edges(n: int, words: np.ndarray) -> int:
     """Edges from zero to ``n`` without those that are lost."""
     return n - int(np.floor(n * words[SKIPS] / words[COUNTS] + 0.5))
 
 
 @compiled()
-def line_count(x, time, cell, words, memory):
+def line_count(x: float, time: float, cell: float, words: np.ndarray, memory: np.ndarray) -> int:
     """The encoder's count with the rotor at ``x``; ``memory`` int64 (2,) is updated."""
     edges = seen_edges(cell_of(x, cell, words), words)
     moved = edges - memory[EDGES]
     memory[EDGES] = edges
     if time < words[STOPS_S]:
         memory[SEEN] += moved if time < words[REVERSES_S] else -moved
-    return memory[SEEN]
+    count: int = memory[SEEN]
+    return count

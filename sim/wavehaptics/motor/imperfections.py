@@ -8,7 +8,7 @@ without any of it, once more, so that it costs an ideal scene nothing.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import cast
+from typing import Any
 
 import numpy as np
 
@@ -32,11 +32,8 @@ from wavehaptics.scene import Scene
 MOTOR, SUPPLY, LINES, LINE_MEMORY, LAG_TABLE, LAG, HOLDS, READING, READINGS = range(9)
 """Places in :func:`real_parts`."""
 
-Real = tuple[
-    tuple[np.ndarray, ...], np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray,
-    np.ndarray, np.ndarray,
-]  # fmt: skip
-
+Real = tuple[Any, ...]
+"""Arrays, and of the motor a tuple of them."""
 
 AMPLIFIED, VOLTS, DRAWN, LOAD, LEAD, LEAD_EDGE = range(6)
 """Places in the LAG memory: the amplifier's output in A; with a switching bridge, the voltage that
@@ -84,11 +81,11 @@ def real_parts(
 def warm_real(real: Real | None, plant: Plant) -> None:
     """Let the motor follow the plant's R."""
     if real is not None:
-        warm_parts(cast(tuple[np.ndarray, ...], real[MOTOR]), plant)
+        warm_parts(real[MOTOR], plant)
 
 
 @compiled(inline="always")
-def supplied(e, time, real):
+def supplied(e: float, time: float, real: Real) -> tuple[float, float]:
     """(V at the motor without current, Ω in series that the supply's sag is) of a tick."""
     part = supply_part(time, real[SUPPLY])
     e *= part
@@ -100,7 +97,10 @@ def supplied(e, time, real):
 
 
 @compiled(inline="always")
-def amplified(current, point, lag_before, tick_s, e, time, sensor, real):
+def amplified(
+    current: float, point: int, lag_before: float, tick_s: float, e: float, time: float,
+    sensor: np.ndarray, real: Real,
+) -> float:  # fmt: skip
     """What the amplifier makes of a tick's mean ``current`` in A: its mean, or its ``point``."""
     if sensor[LAG_RATE] != 0.0:
         if point:
@@ -111,14 +111,14 @@ def amplified(current, point, lag_before, tick_s, e, time, sensor, real):
 
 
 @compiled(inline="always")
-def look(x, time, cell, real):
+def look(x: float, time: float, cell: float, real: Real) -> None:
     """Let an absolute encoder be read at a tick's end, for who asks for the count more rarely."""
     if real[READING][PERIOD_S] != 0.0:
         absolute_count(x, time, cell, real[READING], real[READINGS])
 
 
 @compiled(inline="always")
-def counted(position, x, time, cell, end_s, real):
+def counted(position: int, x: float, time: float, cell: float, end_s: float, real: Real) -> int:
     """The encoder's count at a tick's end; ``position`` is the one before."""
     if real[READING][PERIOD_S] != 0.0:
         return absolute_count(x, time, cell, real[READING], real[READINGS])

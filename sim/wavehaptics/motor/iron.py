@@ -32,7 +32,9 @@ def iron_words(winding: Winding | None, inductance: float) -> np.ndarray:
 
 
 @compiled(inline="always")
-def eddy_share(eddy_current, current, step_s, words):
+def eddy_share(
+    eddy_current: float, current: float, step_s: float, words: np.ndarray
+) -> tuple[float, float]:
     """(part of ``i − i_e`` that i_e makes up for in a step, the eddied part's inductance in H).
 
     ``current`` is i at the step's beginning. The inductance is that of i_e half a step later.
@@ -48,7 +50,7 @@ def eddy_share(eddy_current, current, step_s, words):
 
 
 @compiled(inline="always")
-def missing_flux(current, words):
+def missing_flux(current: float, words: np.ndarray) -> tuple[float, float]:
     """Flux that the series part has less than its unsaturated L, V·s, and its slope, H."""
     part = current / words[SATURATION]
     flux = words[SERIES_H] * (words[SATURATION] * np.arctan(part) - current)

@@ -200,19 +200,19 @@ COULOMB, K_T, HAND_K, HAND_B, HAND_OMEGA, RAMP_END = range(6)
 
 
 @compiled(inline="always")
-def friction_torque(state, load, besides=0.0):
+def friction_torque(state: np.ndarray, load: np.ndarray, besides: float = 0.0) -> float:
     """Coulomb torque τ_c of the coming step, N·m: against the motion, or what holds the rotor.
 
     ``besides`` is what else acts against the rotor, N·m.
     """
-    coulomb = load[COULOMB]
+    coulomb: float = load[COULOMB]
     if coulomb == 0.0:
         return 0.0
     if state[OMEGA] > 0.0:
         return coulomb
     if state[OMEGA] < 0.0:
         return -coulomb
-    drive = (
+    drive: float = (
         load[K_T] * state[I]
         - load[HAND_K] * (state[X] - state[P] - state[C])
         + load[HAND_B] * (state[R] - load[HAND_OMEGA] * state[S])
@@ -222,7 +222,9 @@ def friction_torque(state, load, besides=0.0):
 
 
 @compiled(inline="always")
-def settle_friction(state, omega, x, tau, load):
+def settle_friction(
+    state: np.ndarray, omega: float, x: float, tau: float, load: np.ndarray
+) -> None:
     """Stop the rotor where friction stops it; ``omega``, ``x`` and ``tau`` are the step's first."""
     if load[COULOMB] == 0.0:
         return
@@ -234,7 +236,7 @@ def settle_friction(state, omega, x, tau, load):
 
 
 @compiled(inline="always")
-def end_ramp(state, time, load):
+def end_ramp(state: np.ndarray, time: float, load: np.ndarray) -> None:
     """Stop the hand at the end of its ramp."""
     if time >= load[RAMP_END] and state[R] != 0.0:
         state[P] -= state[R] * (time - load[RAMP_END])
@@ -242,7 +244,7 @@ def end_ramp(state, time, load):
 
 
 @compiled(inline="always")
-def linear_step(state, m, e, tau):
+def linear_step(state: np.ndarray, m: np.ndarray, e: float, tau: float) -> float:
     """Advance the state by the step that ``m`` was made for; returns ∫i dt over it, A·s."""
     i, omega, x = state[I], state[OMEGA], state[X]
     p, r, c, s = state[P], state[R], state[C], state[S]
@@ -260,14 +262,18 @@ def linear_step(state, m, e, tau):
     )  # fmt: skip
     state[C] = m[4, 5] * c + m[4, 6] * s
     state[S] = m[5, 5] * c + m[5, 6] * s
-    return (
+    charge: float = (
         m[3, 0] * i + m[3, 1] * omega + m[3, 2] * x + m[3, 3] * p + m[3, 4] * r
         + m[3, 5] * c + m[3, 6] * s + m[3, 7] * e + m[3, 8] * tau
     )  # fmt: skip
+    return charge
 
 
 @compiled(inline="always")
-def plant_step(state, m, step_s, e, load, besides=0.0):
+def plant_step(
+    state: np.ndarray, m: np.ndarray, step_s: float, e: float, load: np.ndarray,
+    besides: float = 0.0,
+) -> tuple[float, float]:  # fmt: skip
     """One step of ``step_s`` (the step of ``m``) at the voltage ``e``; updates ``state``.
 
     ``load`` is :func:`load_words` of the plant, and ``besides`` what else acts against the rotor,
@@ -284,7 +290,7 @@ def plant_step(state, m, step_s, e, load, besides=0.0):
 
 
 @compiled(inline="always")
-def square_integral(first, last, area, step_s):
+def square_integral(first: float, last: float, area: float, step_s: float) -> float:
     """∫y² dt of the parabola with the given ends and the given ∫y dt."""
     mean = area / step_s
     curve = 3.0 * (first + last) - 6.0 * mean

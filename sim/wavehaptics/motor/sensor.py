@@ -139,13 +139,13 @@ def draw_noise(rng: np.random.Generator, sensor: np.ndarray, count: int) -> np.n
 
 
 @compiled(inline="always")
-def noise_at(noise, n):
+def noise_at(noise: np.ndarray, n: int) -> float:
     """The noise of sample ``n`` of :func:`draw_noise`."""
     return noise[n] if noise.shape[0] else 0.0
 
 
 @compiled(inline="always")
-def lagged(z, first, last, mean, words):
+def lagged(z: float, first: float, last: float, mean: float, words: np.ndarray) -> float:
     """The amplifier's output after a step, A, from ``z`` before it.
 
     The current goes from ``first`` to ``last`` with the given ``mean``; ``words`` is a row of
@@ -153,11 +153,12 @@ def lagged(z, first, last, mean, words):
     """
     curve = 3.0 * (first + last) - 6.0 * mean
     slope = last - first - curve
-    return words[KEEP] * z + words[FIRST] * first + words[SLOPE] * slope + words[CURVE] * curve
+    z = words[KEEP] * z + words[FIRST] * first + words[SLOPE] * slope + words[CURVE] * curve
+    return z
 
 
 @compiled(inline="always")
-def disturbed(current, volts, time, sensor):
+def disturbed(current: float, volts: float, time: float, sensor: np.ndarray) -> float:
     """A current in A with what the amplifier adds at a ``time``, the motor having ``volts``."""
     if sensor[COMMON_MODE] != 0.0 and volts != 0.0 and sensor[SETTLE_RATE] == 0.0:
         current += sensor[COMMON_MODE] if volts > 0.0 else -sensor[COMMON_MODE]
@@ -172,7 +173,10 @@ def new_holds(leads: int) -> np.ndarray:
 
 
 @compiled(inline="always")
-def hold_at_edge(holds, lead, level, clock, output, hold_clocks, restarts):
+def hold_at_edge(
+    holds: np.ndarray, lead: int, level: float, clock: float, output: float, hold_clocks: float,
+    restarts: float,
+) -> None:  # fmt: skip
     """Let an amplifier hold its ``output`` in A from ``clock`` on, if ``level`` is a new one.
 
     ``level`` is the lead's from then on, either sign; its first is no edge. An edge in a hold
@@ -189,13 +193,13 @@ def hold_at_edge(holds, lead, level, clock, output, hold_clocks, restarts):
 
 
 @compiled(inline="always")
-def held_output(holds, lead, clock, output):
+def held_output(holds: np.ndarray, lead: int, clock: float, output: float) -> float:
     """What the converter gets at ``clock``, A, of an amplifier that would follow to ``output``."""
     return holds[lead, HELD_A] if clock < holds[lead, UNTIL] - _TIE_CLOCKS else output
 
 
 @compiled(inline="always")
-def sample_code(current, sensor, noise):
+def sample_code(current: float, sensor: np.ndarray, noise: float) -> int:
     """The ADC's signed code of a current in A; mid-scale is 0 A, codes end at full scale."""
     current += sensor[NOISE] * noise
     half = 1 << (int(sensor[BITS]) - 1)
@@ -204,7 +208,7 @@ def sample_code(current, sensor, noise):
 
 
 @compiled()
-def scale_sum(total, gain):
+def scale_sum(total: int, gain: int) -> int:
     """Current word of a tick's sum of ADC words (sum minus zero): ``rtl/wh_current.v``.
 
     The product is rounded to the nearest word, halves away from zero: this is a sensor, where
@@ -217,7 +221,7 @@ def scale_sum(total, gain):
 
 
 @compiled(inline="always")
-def current_word(current, sensor, noise):
+def current_word(current: float, sensor: np.ndarray, noise: float) -> int:
     """Word that the wave core gets for a tick's mean current in A."""
     if sensor[IDEAL] != 0.0:
         word = round(current * _CURRENT_SCALE)
@@ -227,6 +231,6 @@ def current_word(current, sensor, noise):
 
 
 @compiled(inline="always")
-def range_ends(word, sensor):
+def range_ends(word: int, sensor: np.ndarray) -> int:
     """At which end of the range a :func:`current_word` is: ``formats.AT_HIGH``, ``AT_LOW`` or 0."""
     return formats.AT_HIGH if word >= sensor[END] else formats.AT_LOW if word <= -sensor[END] else 0

@@ -86,7 +86,10 @@ def warm_parts(parts: tuple[np.ndarray, ...], plant: Plant) -> None:
 
 
 @compiled(error_model="numpy", fastmath={"contract", "nsz", "arcp"})
-def series_voltage(mean, g, first, last, g_last, step_s, ohm, parts):
+def series_voltage(
+    mean: float, g: float, first: float, last: float, g_last: float, step_s: float, ohm: float,
+    parts: tuple[np.ndarray, ...],
+) -> tuple[float, float]:  # fmt: skip
     """w of a step, the voltage in series with the linear winding, and the brushes' part of it, V.
 
     Without w the current would have the ``mean``, and go from ``first`` to ``last``; a volt of it
@@ -125,7 +128,7 @@ def series_voltage(mean, g, first, last, g_last, step_s, ohm, parts):
 
 
 @compiled(inline="always")
-def load_torque(state, step_s, parts):
+def load_torque(state: np.ndarray, step_s: float, parts: tuple[np.ndarray, ...]) -> float:
     """Torque of cogging and cable against the rotor over a step, N·m; the cable's end moves on."""
     memory = parts[MEMORY]
     omega = state[OMEGA] + 0.5 * step_s * memory[ACCELERATION]
@@ -144,14 +147,17 @@ def load_torque(state, step_s, parts):
 
 
 @compiled(inline="always")
-def series_ohm(x, time, parts):
+def series_ohm(x: float, time: float, parts: tuple[np.ndarray, ...]) -> float:
     """What lies in series besides R at an angle and a time, Ω."""
-    brushes = contact_ohm(x, time, parts[BRUSHES], parts[NOISE], parts[FLICKER])
-    return parts[MEMORY][SERIES_OHM] + brushes
+    ohm: float = parts[MEMORY][SERIES_OHM]
+    return ohm + contact_ohm(x, time, parts[BRUSHES], parts[NOISE], parts[FLICKER])
 
 
 @compiled(inline="always")
-def keep_step(w, first, mean, omega_before, omega, step_s, parts):
+def keep_step(
+    w: float, first: float, mean: float, omega_before: float, omega: float, step_s: float,
+    parts: tuple[np.ndarray, ...],
+) -> None:  # fmt: skip
     """Remember of a step what the next needs; i was ``first``, and ``mean`` all through it."""
     memory = parts[MEMORY]
     memory[VOLTAGE] = w
@@ -162,13 +168,19 @@ def keep_step(w, first, mean, omega_before, omega, step_s, parts):
 
 
 @compiled(inline="always")
-def warming_square(square, charge, drop, ohm, parts):
+def warming_square(
+    square: float, charge: float, drop: float, ohm: float, parts: tuple[np.ndarray, ...]
+) -> float:
     """∫i² dt for which R alone would warm as much as R, ``ohm`` and the brushes do, A²·s."""
-    return square + (ohm * square + drop * charge) / parts[MEMORY][RESISTANCE]
+    warming: float = square + (ohm * square + drop * charge) / parts[MEMORY][RESISTANCE]
+    return warming
 
 
 @compiled(error_model="numpy", fastmath={"contract", "nsz", "arcp"})
-def real_step(state, m, step_s, e, load, parts, besides=0.0):
+def real_step(
+    state: np.ndarray, m: np.ndarray, step_s: float, e: float, load: np.ndarray,
+    parts: tuple[np.ndarray, ...], besides: float = 0.0,
+) -> tuple[float, float]:  # fmt: skip
     """:func:`motor_step` of a motor that isn't linear."""
     i, omega, x = state[I], state[OMEGA], state[X]
     torque = load_torque(state, step_s, parts) + besides
@@ -192,7 +204,10 @@ def real_step(state, m, step_s, e, load, parts, besides=0.0):
 
 
 @compiled(inline="always")
-def motor_step(state, m, step_s, e, load, parts, besides=0.0):
+def motor_step(
+    state: np.ndarray, m: np.ndarray, step_s: float, e: float, load: np.ndarray,
+    parts: tuple[np.ndarray, ...], besides: float = 0.0,
+) -> tuple[float, float]:  # fmt: skip
     """One step as :func:`wavehaptics.motor.plant.plant_step`, of a motor with ``parts``.
 
     ``besides`` acts against the rotor, N·m, as a hand does that holds more than this motor.

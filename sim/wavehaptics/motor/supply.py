@@ -51,13 +51,14 @@ def reached_v(scene: Scene) -> float:
 
 
 @compiled(inline="always")
-def supply_part(time, words):
+def supply_part(time: float, words: np.ndarray) -> float:
     """Bus in a tick that begins at ``time``, in parts of what it is at first."""
     return words[STEP_PART] if time >= words[STEP_S] else 1.0
 
 
 @compiled(inline="always")
-def sag_in_series(e, part, words):
+def sag_in_series(e: float, part: float, words: np.ndarray) -> float:
     """What the supply puts in series with a motor that gets ``e`` V of it, Ω."""
     duty = e / (part * words[BUS_V])
-    return words[SAG_OHM] * duty * duty
+    sag: float = words[SAG_OHM] * duty * duty
+    return sag

@@ -91,7 +91,7 @@ def hand_substeps(plants: Sequence[Plant], space: Space, step_s: float) -> int:
 
 
 @compiled()
-def put_hand(words, time, place, speed):
+def put_hand(words: np.ndarray, time: float, place: np.ndarray, speed: np.ndarray) -> None:
     """Where the hand is at ``time`` s and how fast, into float64 (3,) and (3,), m and m/s."""
     if words[PATH] == LED:
         for row in range(3):
@@ -134,7 +134,10 @@ def hand_room(motors: int, places: int = 4) -> tuple[np.ndarray, ...]:
 
 
 @compiled()
-def put_hand_torque(geometry, words, time, q, omega, jacobian, room, torque):
+def put_hand_torque(
+    geometry: np.ndarray, words: np.ndarray, time: float, q: np.ndarray, omega: np.ndarray,
+    jacobian: np.ndarray, room: np.ndarray, torque: np.ndarray,
+) -> None:  # fmt: skip
     """The hand's torques on the rotors at ``q`` rad and ``omega`` rad/s into ``torque`` (motors,).
 
     N·m. J is left in ``jacobian`` (3, motors), the tip's place, the hand's and its speed in the

@@ -35,7 +35,7 @@ class AbsolutePart(NamedTuple):
 
 
 def _degrees(noise: float, bits: int) -> float:
-    return noise / 360.0 * 2**bits
+    return noise / 360.0 * 2.0**bits
 
 
 _AMS = "16 bits: even parity, error flag, angle"

@@ -22,25 +22,44 @@ import functools
 import sys
 import types
 from collections.abc import Callable, Iterable, Iterator
-from typing import Any
+from typing import Any, ParamSpec, Protocol, TypeVar, cast
 
 import numba
 import numpy as np
 from numba.core.caching import FunctionCache, IndexDataCacheFile
 from numba.core.dispatcher import Dispatcher
-from numba.extending import _Intrinsic
+from numba.core.extending import _Intrinsic
 
 from wavehaptics.runtime.files import digest_of
 from wavehaptics.runtime.repository import PACKAGE
 
 _PYTHON = sys.implementation.cache_tag
 
+_P = ParamSpec("_P")
+_R = TypeVar("_R", covariant=True)
+
+
+class Compiled(Protocol[_P, _R]):
+    """A function that is compiled where it is first called."""
+
+    @property
+    def py_func(self) -> Callable[_P, _R]:
+        """The same as ordinary Python."""
+
+    def __call__(self, *args: _P.args, **kwargs: _P.kwargs) -> _R: ...
+
+
+class _Compiler(Protocol):
+    def __call__(self, **options: Any) -> Callable[[Callable[_P, _R]], Compiled[_P, _R]]: ...
+
 
 class _KeptBySources(FunctionCache):
     """numba's cache of one function, in files named after :func:`sources_digest`."""
 
+    # numba's own class has no types.
+
     def __init__(self, function: Callable[..., Any], dispatcher: Dispatcher) -> None:
-        super().__init__(function)
+        super().__init__(function)  # type: ignore[no-untyped-call]
         self._dispatcher = dispatcher
         self._found = False
 
@@ -56,11 +75,11 @@ class _KeptBySources(FunctionCache):
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         self._find()
-        return super().load_overload(sig, target_context)
+        return super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
 
     def save_overload(self, sig: Any, data: Any) -> None:
         self._find()
-        super().save_overload(sig, data)
+        super().save_overload(sig, data)  # type: ignore[no-untyped-call]
 
 
 def sources_digest(dispatcher: Dispatcher) -> str:
@@ -175,24 +194,24 @@ def _compile(function: Callable[..., Any] | None = None, **options: Any) -> Any:
     return dispatcher
 
 
-compiled = functools.partial(_compile, _nrt=False)
+compiled: _Compiler = functools.partial(_compile, _nrt=False)
 """``numba.njit`` for functions that make no arrays; ``@compiled()`` takes its options too."""
 
-compiled_counting = _compile
+compiled_counting: _Compiler = _compile
 """The same for functions that make arrays of their own."""
 
 
-def compiled_drawing(function: Callable[..., Any]) -> Any:
+def compiled_drawing(function: Callable[_P, _R]) -> Compiled[_P, _R]:
     """The same for a loop that draws from a generator.
 
     A generator comes in from Python with a count of its own, which would be lost without. So what
     Python calls counts, once, and the loop itself doesn't.
     """
-    loop = compiled(function)
+    loop: Any = compiled()(function)
 
     def enter(*arguments: Any) -> Any:
         return loop(*arguments)
 
     for name in ("__doc__", "__module__", "__name__", "__qualname__"):
         setattr(enter, name, getattr(function, name))
-    return compiled_counting(enter)
+    return compiled_counting()(cast(Callable[_P, _R], enter))

@@ -16,11 +16,13 @@ from numba.extending import intrinsic
 
 
 @intrinsic
-def _call2(typing_context, address, first, second):
+def _call2(
+    typing_context: Any, address: Any, first: Any, second: Any
+) -> tuple[Any, Callable[..., Any]]:
     del typing_context, address, first, second
     signature = types.int64(types.int64, types.int64, types.int64)
 
-    def codegen(context, builder, signature, values):
+    def codegen(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         del context, signature
         word = ir.IntType(64)
         pointer = builder.inttoptr(values[0], ir.FunctionType(word, [word, word]).as_pointer())
@@ -29,5 +31,5 @@ def _call2(typing_context, address, first, second):
     return signature, codegen
 
 
-call2 = cast(Callable[[Any, Any, Any], Any], _call2)
+call2 = cast(Callable[[int, int, int], int], _call2)
 """``call2(address, a, b)``: the C function ``int64_t f(int64_t, int64_t)`` at that address."""

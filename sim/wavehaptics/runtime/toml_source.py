@@ -16,9 +16,11 @@ import tree_sitter
 import tree_sitter_toml
 
 if sys.version_info >= (3, 11):
-    import tomllib
+    import tomllib as tomllib  # the tools have it from here
 else:
-    import tomli as tomllib
+    import tomli
+
+    tomllib = tomli
 
 KeyPath = tuple[str | int, ...]
 """Where a value stands: names of keys, and indices of array elements."""

@@ -6,9 +6,9 @@ Every angle, speed and torque is the rotor's. Units are SI and stand in each key
 A further table is a module in ``tables`` and a field of ``schema``'s Scene.
 """
 
+from wavehaptics.runtime.repository import SCENES_DIR
 from wavehaptics.scene.device import Device
 from wavehaptics.scene.loading import (
-    SCENES_DIR,
     device_of,
     find_scene,
     first_comment,

@@ -168,7 +168,8 @@ def without_anchor(scene: Scene) -> Scene:
 def _table_of(annotation: Any) -> type[Table]:
     """The table in a field's annotation, which may be None besides."""
     parts = get_args(annotation) or (annotation,)
-    return next(part for part in parts if part is not type(None))
+    table: type[Table] = next(part for part in parts if part is not type(None))
+    return table
 
 
 TABLES: dict[str, type[Table]] = {

@@ -58,7 +58,8 @@ class Impedance:
     @property
     def errors(self) -> np.ndarray:
         """Relative errors of what was measured."""
-        return np.abs(self.measured / self.designed - 1.0)
+        errors: np.ndarray = np.abs(self.measured / self.designed - 1.0)
+        return errors
 
 
 def contact_everywhere(scene: Scene) -> Scene:

@@ -45,8 +45,9 @@ class Column(IntEnum):
 
 @compiled(inline="always")
 def put_motion(
-    row, begin, tick, x_before, x, mean, e_a, torque, x_hand, energy_out, ripple
-):  # fmt: skip
+    row: np.ndarray, begin: float, tick: float, x_before: float, x: float, mean: float, e_a: float,
+    torque: float, x_hand: float, energy_out: float, ripple: float,
+) -> None:  # fmt: skip
     """The motor's part of a tick's row: it begins at ``begin`` s, with the rotor at ``x_before``.
 
     ``mean`` is the current's, A, and ``x`` where the rotor is at the end.
@@ -63,7 +64,10 @@ def put_motion(
 
 
 @compiled(inline="always")
-def put_port(row, eta, u, v, contact, saturated, clipped=False):
+def put_port(
+    row: np.ndarray, eta: float, u: float, v: float, contact: bool, saturated: bool,
+    clipped: bool = False,
+) -> None:  # fmt: skip
     """The port's part of a tick's row: waves in √W, and three flags."""
     row[Column.ETA] = eta
     row[Column.U] = u
@@ -74,14 +78,14 @@ def put_port(row, eta, u, v, contact, saturated, clipped=False):
 
 
 @compiled(inline="always")
-def put_anchor(row, correction, fault):
+def put_anchor(row: np.ndarray, correction: float, fault: float) -> None:
     """What a port anchor added to the tick's voltage, and whether it has found a fault."""
     row[Column.CORRECTION] = correction
     row[Column.FAULT] = fault
 
 
 @compiled(inline="always")
-def put_estimate(row, flux, x_hat, omega_hat):
+def put_estimate(row: np.ndarray, flux: float, x_hat: float, omega_hat: float) -> None:
     """Where a port anchor takes the rotor to be, and how fast."""
     row[Column.FLUX] = flux
     row[Column.X_HAT] = x_hat

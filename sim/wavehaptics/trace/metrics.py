@@ -355,7 +355,8 @@ def _own_spring(run: Any, x: float, i: float, torque: float) -> float:
         own += run.swing * math.cos(6.0 * theta)
     if run.warm and i != 0.0:
         own = torque / (run.k_t * i)
-    return own**run.shape_power
+    part: float = own**run.shape_power
+    return part
 
 
 @compiled_counting()
@@ -383,7 +384,8 @@ def _swing(run: Any, swung: float, pull: float) -> None:
 def _part_bound(run: Any) -> float:
     """Most work of c − d in the contact under way, or on the way between two."""
     half_range = 0.5 * (run["chi_high"] - run["chi_low"])
-    return half_range * (abs(run["i_first"]) + abs(run["i_last"]) + run["variation"])
+    most: float = half_range * (abs(run["i_first"]) + abs(run["i_last"]) + run["variation"])
+    return most
 
 
 @compiled_counting()

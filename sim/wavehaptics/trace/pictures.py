@@ -215,7 +215,9 @@ def _same_ticks(run: Trace, reference: Trace) -> bool:
 def _smoothed(trace: Trace, y: np.ndarray) -> np.ndarray:
     """Moving average of ``y`` over :data:`_SMOOTHING_S`."""
     step_s = (trace["t"][-1] - trace["t"][0]) / max(1, len(y) - 1)
-    return uniform_filter1d(y, max(1, min(len(y), round(_SMOOTHING_S / step_s))), mode="nearest")
+    rows = max(1, min(len(y), round(_SMOOTHING_S / step_s)))
+    smooth: np.ndarray = uniform_filter1d(y, rows, mode="nearest")
+    return smooth
 
 
 def time_plot(

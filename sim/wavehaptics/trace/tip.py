@@ -59,7 +59,10 @@ class Tip(IntEnum):
 
 
 @compiled(inline="always")
-def put_tip_row(row, begin, tick, before, after, hand, force, active):
+def put_tip_row(
+    row: np.ndarray, begin: float, tick: float, before: np.ndarray, after: np.ndarray,
+    hand: np.ndarray, force: np.ndarray, active: int,
+) -> None:  # fmt: skip
     """A device's row; places in m and ``force`` in N are float64 (3,)."""
     row[Tip.T] = begin + 0.5 * tick
     for axis in range(3):

@@ -60,7 +60,7 @@ def keep(
     print(_picture(plan, found, arrays, out / picture))
 
 
-def _picture(plan: Plan, found: Captured, arrays: dict, path: Path) -> Path:
+def _picture(plan: Plan, found: Captured, arrays: dict[str, np.ndarray], path: Path) -> Path:
     from wavehaptics.trace.pictures import strips_picture
 
     bits = ("flags", "faults")

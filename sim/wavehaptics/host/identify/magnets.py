@@ -121,7 +121,8 @@ def _of_fit(best: Fit, pairs: int, clear: float) -> Magnets:
 
 
 def _mirrored(s: Segment, known: Magnets) -> np.ndarray:
-    return np.conj(s.ends) * np.exp(2j * known.angle(s.turned))
+    mirrored: np.ndarray = np.conj(s.ends) * np.exp(2j * known.angle(s.turned))
+    return mirrored
 
 
 def _both(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -131,7 +132,8 @@ def _both(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def legs(current: np.ndarray) -> np.ndarray:
     """d of a current: the vector of the signs of its three legs' parts."""
     parts = [np.tanh((current * _TURN**-n).real / KNEE_A) * _TURN**n for n in range(3)]
-    return 2.0 / 3.0 * np.sum(parts, axis=0)
+    found: np.ndarray = 2.0 / 3.0 * np.sum(parts, axis=0)
+    return found
 
 
 def _still(s: Segment) -> tuple[list[np.ndarray], list[np.ndarray]]:

@@ -45,7 +45,8 @@ class Resistance:
         """R at angles in rad."""
         along, across = self.waves
         phase = self.segments * angle
-        return self.ohm.value + along * np.cos(phase) + across * np.sin(phase)
+        ohms: np.ndarray = self.ohm.value + along * np.cos(phase) + across * np.sin(phase)
+        return ohms
 
 
 def rough(segments: Sequence[Segment]) -> Resistance:

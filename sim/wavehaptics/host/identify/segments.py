@@ -57,7 +57,8 @@ class Segment:
     @property
     def ends(self) -> np.ndarray:
         """Current at :attr:`t`, A: between two means."""
-        return 0.5 * (self.current[:-1] + self.current[1:])
+        ends: np.ndarray = 0.5 * (self.current[:-1] + self.current[1:])
+        return ends
 
     @property
     def turned(self) -> np.ndarray:
@@ -68,7 +69,8 @@ class Segment:
     def angle(self) -> np.ndarray:
         """Position in the rows' middles, rad."""
         first = self.position[:1] - (self.position[1:2] - self.position[:1])
-        return 0.5 * (self.position + np.concatenate([first, self.position[:-1]]))
+        angle: np.ndarray = 0.5 * (self.position + np.concatenate([first, self.position[:-1]]))
+        return angle
 
     @property
     def speed(self) -> np.ndarray:
@@ -79,7 +81,8 @@ class Segment:
         last = len(self.position)
         low = np.clip(np.arange(last) - span + 1, 0, last)
         high = np.clip(np.arange(last) + span, 0, last)
-        return (ends[high] - ends[low]) / ((high - low) * self.step_s)
+        speed: np.ndarray = (ends[high] - ends[low]) / ((high - low) * self.step_s)
+        return speed
 
     def part(self, first: int, last: int) -> Segment:
         """Rows of it."""
@@ -93,7 +96,9 @@ def earlier(values: np.ndarray, rows: float) -> np.ndarray:
     """Rows' values as they were so much earlier, on straight lines between them and beyond."""
     beyond = math.ceil(abs(rows))
     long = np.pad(values.astype(float), beyond, "reflect", reflect_type="odd")
-    return np.interp(np.arange(beyond, beyond + len(values)) - rows, np.arange(len(long)), long)
+    at = np.arange(beyond, beyond + len(values)) - rows
+    found: np.ndarray = np.interp(at, np.arange(len(long)), long)
+    return found
 
 
 @dataclass(frozen=True)
@@ -251,7 +256,8 @@ def _jackknifed(
         others = [free[m] for m in kept] if free is not None else None
         each.append(fit([wanted[m] for m in kept], [columns[m] for m in kept], others).factors)
     apart = np.array(each) - np.mean(each, axis=0)
-    return (count - 1) / count * apart.T @ apart
+    found: np.ndarray = (count - 1) / count * apart.T @ apart
+    return found
 
 
 def _by_chance(square: float, records: float) -> float:

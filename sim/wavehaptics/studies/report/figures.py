@@ -42,7 +42,7 @@ def label(ax: Axes, x: str, y: str, title: str = "") -> None:
         ax.set_title(title, loc="left", fontsize=10.5)
 
 
-def curve(ax: Axes, x: list[float], y: list[float | None], n: int, name: str, **style) -> None:
+def curve(ax: Axes, x: list[float], y: list[float | None], n: int, name: str, **style: Any) -> None:
     """A curve in the look of its number ``n``; points without a value are left out."""
     points = np.array([(a, b) for a, b in zip(x, y, strict=True) if b is not None], float)
     if not len(points):
@@ -61,7 +61,7 @@ def note(ax: Axes, text: str, at: tuple[float, float]) -> None:
     ax.annotate(text, at, xytext=(6, 4), textcoords="offset points", fontsize=8)
 
 
-def legend(ax: Axes, **options) -> None:
+def legend(ax: Axes, **options: Any) -> None:
     """A legend inside the axes, where there is most room."""
     if ax.get_legend_handles_labels()[0]:
         ax.legend(frameon=False, fontsize=9, **options)

@@ -233,7 +233,9 @@ def most_negative_words() -> Outcome:
 
 
 @compiled_counting()
-def _silence(state, line, ticks, eta, root, a, u_max):
+def _silence(
+    state: np.ndarray, line: np.ndarray, ticks: int, eta: int, root: int, a: int, u_max: int
+) -> int:
     """Tick after which all outputs stay zero at zero current; -1 if they never do."""
     last = -1
     for n in range(ticks):

@@ -96,7 +96,8 @@ def gather(tasks: list[Task], results: list[Any]) -> dict[str, Any]:
 
 
 def _called(wall: dict[str, Any]) -> str:
-    return wall["name"] + ("" if wall["asked"] is None else f", {wall['asked']:g} N/m")
+    name: str = wall["name"]
+    return name + ("" if wall["asked"] is None else f", {wall['asked']:g} N/m")
 
 
 def show(data: dict[str, Any], folder: Path) -> list[Block]:

@@ -44,7 +44,10 @@ def voltages(ticks: int) -> np.ndarray:
 
 
 @compiled_counting()
-def _exact(state, matrix, step_s, volts, load, parts, out):
+def _exact(
+    state: np.ndarray, matrix: np.ndarray, step_s: float, volts: np.ndarray, load: np.ndarray,
+    parts: int, out: np.ndarray,
+) -> None:  # fmt: skip
     for n in range(volts.shape[0]):
         for _ in range(parts):
             exact_step(state, matrix, step_s, volts[n], load)
@@ -52,7 +55,7 @@ def _exact(state, matrix, step_s, volts, load, parts, out):
 
 
 @compiled_counting()
-def _slope(a, z, out):
+def _slope(a: np.ndarray, z: np.ndarray, out: np.ndarray) -> None:
     for row in range(z.shape[0]):
         total = 0.0
         for column in range(z.shape[0]):
@@ -61,7 +64,9 @@ def _slope(a, z, out):
 
 
 @compiled_counting()
-def _euler(z, a, step_s, volts, parts, out):
+def _euler(
+    z: np.ndarray, a: np.ndarray, step_s: float, volts: np.ndarray, parts: int, out: np.ndarray
+) -> None:
     k = np.empty_like(z)
     for n in range(volts.shape[0]):
         z[E] = volts[n]
@@ -72,7 +77,9 @@ def _euler(z, a, step_s, volts, parts, out):
 
 
 @compiled_counting()
-def _rk4(z, a, step_s, volts, parts, out):
+def _rk4(
+    z: np.ndarray, a: np.ndarray, step_s: float, volts: np.ndarray, parts: int, out: np.ndarray
+) -> None:
     k1, k2, k3, k4 = np.empty_like(z), np.empty_like(z), np.empty_like(z), np.empty_like(z)
     for n in range(volts.shape[0]):
         z[E] = volts[n]
@@ -110,7 +117,9 @@ def _run(plant: Plant, method: str, parts: int, volts: np.ndarray) -> tuple[np.n
     return out, time.process_time() - began
 
 
-def _solve(a: np.ndarray, z: np.ndarray, volts: np.ndarray, out: np.ndarray, **options) -> None:
+def _solve(
+    a: np.ndarray, z: np.ndarray, volts: np.ndarray, out: np.ndarray, **options: Any
+) -> None:
     for n, e in enumerate(volts):
         z[E] = e
         z = solve_ivp(lambda t, y: a @ y, (0.0, TICK_S), z, **options).y[:, -1]

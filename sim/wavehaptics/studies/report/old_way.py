@@ -164,7 +164,8 @@ def _ratios(curves: dict[str, list[dict[str, Any]]]) -> list[dict[str, Any]]:
     """The wave wall over the encoder's wall, at a 1 kHz servo and at equal rates."""
 
     def at(curve: str, x: float) -> float:
-        return next(p["stiffness"] for p in curves[curve] if math.isclose(p["at"], x))
+        found: float = next(p["stiffness"] for p in curves[curve] if math.isclose(p["at"], x))
+        return found
 
     wave = {point["motor"]: point["stiffness"] for point in curves["wave"]}
     rows = []

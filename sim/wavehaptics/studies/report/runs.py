@@ -34,7 +34,8 @@ def run_task(scene: str, controller: str, *settings: str) -> Task:
 
 def cost(metrics: dict[str, Any]) -> float:
     """Seconds that a simulated second took."""
-    return metrics["wall_clock_s"] / metrics["duration_s"]
+    seconds: float = metrics["wall_clock_s"] / metrics["duration_s"]
+    return seconds
 
 
 def off(value: float | None, exact: float | None) -> float | None:

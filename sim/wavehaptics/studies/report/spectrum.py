@@ -27,7 +27,7 @@ ORDERS = {"rounded": 0, "first order": 1, "second order": 2}
 
 
 @compiled_counting()
-def _widths(duty, order, out):
+def _widths(duty: np.ndarray, order: int, out: np.ndarray) -> None:
     state = np.zeros(2, np.int64)
     for n in range(duty.shape[0]):
         if order == 0:
