@@ -53,6 +53,6 @@ class ModulatorPart:
         if not self.bits:
             return 0
         old = self.bits[-2] if len(self.bits) > 1 else 0
-        if since < 1e9 * self.part.hold_s:
+        if since < 1e9 * self.part.data_hold_s:
             return old
         return self.bits[-1] if since >= 1e9 * self.part.access_s - 1e-6 else 1 - self.bits[-1]

@@ -99,6 +99,11 @@ def test_wrong_names_are_told(taps, taps_run, tmp_path):
         taps_run.trace["postion"]
 
 
+def test_what_is_no_scene_is_told():
+    with pytest.raises(TypeError, match=r"a scene is a path, a name or a Scene of load_scene, not"):
+        wh.run(load_scene(find_scene("paper_taps")), "golden")
+
+
 def test_a_run_is_that_of_the_command(taps_run, tmp_path):
     """Metrics and arrays are those of the files, all of them, with a unit each."""
     scene = load_scene(find_scene("paper_taps"), SHORT)

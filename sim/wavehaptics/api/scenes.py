@@ -96,8 +96,11 @@ def as_toml(key: str, value: Any) -> str:
 def load_scene(path: str | Path) -> Scene:
     """The scene in the TOML file ``path``, or the shipped one of that name.
 
-    :class:`SceneError`, one line with place and cure, where the file isn't there or isn't valid.
+    :class:`SceneError`, one line with place and cure, where the file isn't there or isn't valid;
+    :class:`TypeError` for anything but a path or a name.
     """
+    if not isinstance(path, (str, Path)):
+        raise TypeError(f"a scene is a path, a name or a Scene of load_scene, not {path!r:.60}")
     found = find_scene(str(path))
     content = read_scene(found)
     return Scene(found, content, (), device_of(content, found))
