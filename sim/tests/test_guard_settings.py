@@ -97,6 +97,14 @@ def test_the_energy_of_a_contact_has_what_its_spring_holds_as_limit():
     )
 
 
+def test_limits_of_a_modulators_words():
+    """Of 21³ bits, of 2¹⁴: 3.2 A are 18522. Trip at 2 A, end of the linear range at 2.5 A."""
+    scene = ROOT / "boards" / "ulx3s" / "sigma_delta.toml"
+    found = fields_of(load_board("ulx3s", scene_path=scene).words().guard)
+    assert found["CURRENT"] == math.floor(2.0 / 3.2 * 2 * 21**3)
+    assert found["RANGE"] + 1 == math.floor(2.5 / 3.2 * 2 * 21**3)
+
+
 def test_no_limit_is_more_than_its_word():
     limits = Limits((), energy=1e6, saturated_s=1.0)
     found = fields_of(settings(limits, 1e-6, Sensor(ideal=False), s=2.0))

@@ -176,12 +176,19 @@ def board_limits(
     )
 
 
-def settings(limits: Limits, tick_s: float, sensor: Sensor, s: float) -> int:
-    """The guard's word for a controller's tick, ADC and s = √(2R̂)."""
-    return pack(raw_fields(limits, tick_s, sensor, s))
+def settings(
+    limits: Limits, tick_s: float, sensor: Sensor, s: float, unity: float = 1.0
+) -> int:  # fmt: skip
+    """The guard's word for a controller's tick, ADC and s = √(2R̂).
+
+    ``unity`` is the sample of full scale, in parts of 2¹⁵.
+    """
+    return pack(raw_fields(limits, tick_s, sensor, s, unity))
 
 
-def raw_fields(limits: Limits, tick_s: float, sensor: Sensor, s: float) -> dict[str, int]:
+def raw_fields(
+    limits: Limits, tick_s: float, sensor: Sensor, s: float, unity: float = 1.0
+) -> dict[str, int]:
     """The raw fields of :func:`settings`."""
     full = 1 << (formats.SAMPLE_W - 1)
 
@@ -192,8 +199,8 @@ def raw_fields(limits: Limits, tick_s: float, sensor: Sensor, s: float) -> dict[
         "MASK": mask(limits.watched),
         "DAMP": mask(limits.damp),
         "LEVELS": limits.stop_level | limits.driver_level << 1,
-        "CURRENT": min(full, _below(limits.current_a / sensor.full_scale_a * full)),
-        "RANGE": sensor.range_word() - 1,
+        "CURRENT": min(full, _below(limits.current_a / sensor.full_scale_a * unity * full)),
+        "RANGE": sensor.range_word(unity) - 1,
         "STUCK": limits.stuck_samples,
         "ZERO": round(limits.zero_a * 2**CURRENT_Q),
         "ZERO_TICKS": ticks(limits.zero_s),
@@ -220,7 +227,7 @@ def _below(sample: float) -> int:
 
 
 def trip_word(trip_a: float, sensor: Sensor) -> int:
-    """The word ``trip`` for a current."""
+    """The word ``trip`` for a current: of 2¹⁵, whatever the sample of full scale is."""
     return round(trip_a / sensor.full_scale_a * (1 << (formats.SAMPLE_W - 1)))
 
 
@@ -272,9 +279,11 @@ def scene_words(scene: Scene, ports: Ports) -> dict[str, int]:
     assert scene.guard is not None
     limits = board_limits(scene, ports, scene.guard.trip_a)
     watched = SWITCH_FAULTS + (limits.watched if scene.guard.watch else ())
+    time = ports.timing
     fields = raw_fields(
-        limits._replace(watched=watched), ports.timing.tick_s, ports.sensor, ports.settings.s
-    )
+        limits._replace(watched=watched), time.tick_s, ports.sensor, ports.settings.s,
+        time.frame.unity,
+    )  # fmt: skip
     words = {FIELDS[name].name: raw for name, raw in fields.items()}
     words |= motion_words(scene, ports)
     return words | {"trip": trip_word(scene.guard.trip_a, ports.sensor)}

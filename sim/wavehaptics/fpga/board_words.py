@@ -247,7 +247,10 @@ def _guard(scene: Scene, ports: Ports, trip_a: float | None, overcurrent: bool) 
             "thermal.ambient_c",
         )
     limits = guard.board_limits(scene, ports, trip_a, driver=overcurrent)
-    return guard.settings(limits, ports.timing.tick_s, ports.sensor, ports.settings.s)
+    time = ports.timing
+    return guard.settings(
+        limits, time.tick_s, ports.sensor, ports.settings.s, time.frame.unity
+    )  # fmt: skip
 
 
 def first_values(board: BoardWords, motors: int) -> Values:

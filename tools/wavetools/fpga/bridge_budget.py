@@ -55,9 +55,10 @@ def carrier_hz(board: Board) -> float:
 def _check_sensing(board: Board) -> None:
     """:class:`BoardError` where the amplifier isn't known, or doesn't follow the carrier."""
     file, parts, name = f"{board.folder}/fpga.toml", sensing_parts(), board.sense.amplifier
+    table, key = ("sense", "amplifier") if isinstance(board.sense, Sense) else ("modulator", "part")
     if name not in parts:
         raise BoardError(
-            f"{file}: sense.amplifier {unknown_choice(name, parts)}, or enter it "
+            f"{file}: {table}.{key} {unknown_choice(name, parts)}, or enter it "
             f"in boards/{TABLE.name} with its figures"
         )
     part, made_hz = parts[name], carrier_hz(board)
@@ -68,7 +69,7 @@ def _check_sensing(board: Board) -> None:
         raise BoardError(
             f"{board.scene_file}: the {name} may not follow the carrier of "
             f"{1e-3 * made_hz:.4g} kHz: {why}; {lower if slower else ''}"
-            f"name another amplifier in [sense] of {file}"
+            f"name another {key} in [{table}] of {file}"
         )
 
 
@@ -179,19 +180,19 @@ def _check(board: Board) -> None:
             f"{bridge.driver} needs {1e9 * bridge.min_pulse_s:g} ns; set it so"
         )
     full_scale_a = adc.full_scale_a
+    made, table = (
+        (f"a gain of {sense.gain:g} at {sense.supply_v:g} V make", "sense")
+        if isinstance(sense, Sense)
+        else (f"the {sense.part} make", "modulator")
+    )
     if abs(sense.full_scale_a / full_scale_a - 1) > 0.01:
-        made, table = (
-            (f"a gain of {sense.gain:g} at {sense.supply_v:g} V make", "sense")
-            if isinstance(sense, Sense)
-            else (f"the {sense.part} make", "modulator")
-        )
         raise BoardError(
             f"{scene_file}: adc.full_scale_a is {full_scale_a:g} A, but {1e3 * sense.shunt_ohm:g} "
             f"mΩ and {made} {sense.full_scale_a:.3g} A; set it so, or change [{table}] in {file}"
         )
     if sense.trip_a >= sense.clip_a:
         raise BoardError(
-            f"{file}: sense.trip_a is {sense.trip_a:g} A, but the {sense.amplifier} clips at "
+            f"{file}: {table}.trip_a is {sense.trip_a:g} A, but the {sense.amplifier} clips at "
             f"{sense.clip_a:.3g} A, so that it would never trip; lower it"
         )
     _check_sensing(board)
