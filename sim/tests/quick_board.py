@@ -169,6 +169,10 @@ class QuickBoard:
         """Where the rotor is, rad."""
         return float(self._state[X])
 
+    def spin(self, omega: float) -> None:
+        """The rotor's speed from now on, rad/s."""
+        self._state[OMEGA] = omega
+
     @property
     def current(self) -> float:
         """What flows, A."""

@@ -13,7 +13,8 @@ import tomllib
 from quick_board import QuickBoard
 from virtual_boards import told, virtual_board
 from wavehaptics.host import capture, session
-from wavehaptics.host.identify import result
+from wavehaptics.host.client import Identification
+from wavehaptics.host.identify import encoder, result
 from wavehaptics.host.identify.brushed import Found
 from wavehaptics.host.identify.driver import Driver, EndedError
 from wavehaptics.host.identify.identification import identify, try_signs
@@ -23,7 +24,7 @@ from wavehaptics.host.names import HostError, Place
 from wavehaptics.ladder.run import measure
 from wavehaptics.parts.motors import PRESETS
 from wavehaptics.scene import Scene, load_scene
-from wavehaptics.words import table
+from wavehaptics.words import formats, modbus, table
 
 COUNTS = 10_000
 REAL = (
@@ -273,6 +274,52 @@ def test_wrong_signs_by_name(make_scene: Maker, fault: str, sets: tuple[str, ...
     assert high - low < 6 * np.pi
 
 
+def test_a_wheel_comes_to_rest_before_it_is_judged(make_scene: Maker):
+    """Its pulses make a few counts, and it coasts from one into the next."""
+    quick = QuickBoard(make_scene(*REAL, "motor.J_kgm2=1e-3"), encoder=-1)
+    with pytest.raises(NotPlausible, match=r"^encoder reversed: the rotor goes \d+ counts"):
+        try_signs(Driver(quick, clock=lambda: quick.time_s), COUNTS)
+
+
+def test_a_rotor_that_turns_has_no_sign(make_scene: Maker):
+    """Its back-EMF is more than the first voltages."""
+    quick, told = QuickBoard(make_scene(*REAL, "motor.J_kgm2=1e-4")), []
+    quick.spin(60.0)
+    with pytest.raises(NotPlausible, match=r"^turning: "):
+        try_signs(Driver(quick, clock=lambda: quick.time_s), COUNTS, told.append)
+    assert not any(line.startswith("sign") for line in told)
+    assert not quick.running
+
+
+def test_pulses_that_end_where_they_began_have_no_sign(
+    make_scene: Maker, monkeypatch: pytest.MonkeyPatch
+):
+    quick, told = QuickBoard(make_scene(*REAL)), []
+    monkeypatch.setattr(encoder, "counts_along", lambda _, __: -4.0)
+    with pytest.raises(NotPlausible, match=r"^encoder's sign: .*too few"):
+        try_signs(Driver(quick, clock=lambda: quick.time_s), COUNTS, told.append)
+    assert not any("encoder's sign: right" in line for line in told)
+
+
+def test_a_modulators_scale(make_scene: Maker):
+    """Its word of full scale isn't 2¹⁵; the trip's is, and the guard's limit is a word's."""
+    quick = QuickBoard(make_scene(*REAL, "adc.full_scale_a=3.2"))
+    words, at = dict(quick.identification.words), modbus.OPTIONS["adc"][0]
+    quick.identification = Identification(words | {"options": words["options"] | 2 << at})
+    unity = 21**3 / 2**14
+    changed = {
+        "sclk_half_clocks": 2, "sample_clocks": 84, "samples": 2,
+        "gain": formats.GAIN.to_raw(3.2 / (2 * unity * 2**15)),
+        "trip": round(2.0 / 3.2 * 2**15), "guard_current": 0xFFFF,
+    }  # fmt: skip
+    for name, raw in changed.items():
+        quick.settings[name, 0] = raw
+    assert Driver(quick).full_scale_a == pytest.approx(3.2, rel=1e-3)
+    assert Driver(quick).most_current() == pytest.approx(0.6 * 2.0, rel=1e-3)
+    quick.settings["guard_current", 0] = round(1.5 / 3.2 * unity * 2**15)
+    assert Driver(quick).most_current() == pytest.approx(0.6 * 1.5, rel=1e-3)
+
+
 def test_what_is_asked_for_too_much(make_scene: Maker):
     scene = make_scene(*REAL)
     with pytest.raises(HostError, match=r"--current 5 A is more than the board's settings permit"):
@@ -289,6 +336,19 @@ def test_a_board_with_a_button(make_scene: Maker):
     assert found.resistance.ohm.value == pytest.approx(scene.motor.R_ohm, rel=0.005)
     assert quick.running
     assert abs(quick.current) < 0.05
+
+
+@pytest.mark.parametrize("encoder", [1, -1])
+def test_signs_of_a_board_with_a_button(make_scene: Maker, encoder: int):
+    """Whose bridges are on from the first: it is braked before the first voltage."""
+    quick, told = QuickBoard(make_scene(*REAL), switched=True, encoder=encoder), []
+    driver = Driver(quick, clock=lambda: quick.time_s)
+    if encoder == 1:
+        try_signs(driver, COUNTS, told.append)
+        assert told[-1].startswith("encoder's sign: right, by")
+        return
+    with pytest.raises(NotPlausible, match=r"^encoder reversed: "):
+        try_signs(driver, COUNTS, told.append)
 
 
 @pytest.mark.parametrize("switched", [False, True])

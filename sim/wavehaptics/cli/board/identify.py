@@ -80,8 +80,7 @@ def identify(
     presets: dict[str, MotorConstants | BrushlessConstants] = {**PRESETS, **BRUSHLESS_PRESETS}
     if expect is not None and expect not in presets:
         raise CommandError(f"--expect {expect}: take {', '.join(presets)}")
-    for option, given in (("--out", out), ("--current", current), ("--travel", travel),
-                          ("--expect", expect)):  # fmt: skip
+    for option, given in (("--out", out), ("--travel", travel), ("--expect", expect)):
         if signs and given is not None:
             raise CommandError(f"--signs takes no {option}; leave one of them out")
     wishes = Wishes(counts, current, travel, presets[expect] if expect else None)
@@ -104,7 +103,7 @@ def identify(
             print("the rotor turns: seconds on a board, minutes on a simulated one", flush=True)
             try:
                 if signs:
-                    try_signs(driver, counts, tell, show)
+                    try_signs(driver, counts, tell, show, current)
                 else:
                     identified(driver, wishes, tell, show, results.append)
             except EndedError:

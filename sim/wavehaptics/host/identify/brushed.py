@@ -146,7 +146,7 @@ class BrushedProcedure(steps.Steps[MotorConstants]):
     def _pulse(self, amps: float, seconds: float) -> None:
         driver = self._driver
         if self._careful:
-            driver.still()
+            self._stand()
         driver.release()
         driver.record(amps, seconds, steps.PULSE_ROWS)
         driver.brake(self._eta)
@@ -170,6 +170,11 @@ class BrushedProcedure(steps.Steps[MotorConstants]):
                 raise encoder_reversed(
                     f"the rotor goes {-counts:.0f} counts against the current that turns it"
                 )
+            if self._wishes.signs and counts < encoder.CELLS:
+                raise NotPlausible(
+                    "encoder's sign", f"both pulses' {counts:.0f} counts are too few for one",
+                    "what holds or moves the shaft, or allow more by --current",
+                )  # fmt: skip
             self._tell(f"encoder's sign: right, by {counts:.0f} counts")
 
     def _pulse_time(self, most_v: float) -> float:

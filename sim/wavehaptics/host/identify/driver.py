@@ -15,7 +15,7 @@ from __future__ import annotations
 import itertools
 import math
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, nullcontext
 from types import TracebackType
 from typing import Any, Protocol, cast
@@ -29,7 +29,7 @@ from wavehaptics.host.client import Client, Identification
 from wavehaptics.host.identify.segments import Segment, earlier
 from wavehaptics.host.names import HostError, Place, Shape, places
 from wavehaptics.laws import closed_forms
-from wavehaptics.parts.adcs import FRAME_WORDS, KINDS, frame_of_words
+from wavehaptics.parts.adcs import FRAME_WORDS, KINDS, Frame, frame_of_words
 from wavehaptics.runtime.ends import ending
 from wavehaptics.words import formats
 from wavehaptics.words.bridge_modes import MODE_WORDS, UNIPOLAR
@@ -126,7 +126,11 @@ class Driver:
         self._before = device.read(self._kept)
         self._gains_a = [self._value(place) for place in self._all_places("gain")]
         self._zeros = [round(self._value(place)) for place in self._all_places("zero")]
-        self.full_scale_a = min(self._gains_a) * self.value("samples") * _FULL_SCALE
+        layout = self._layout()
+        made = self._frame(layout)
+        self._unity = made.unity
+        samples = layout["samples"]
+        self.full_scale_a = min(self._gains_a) * samples * _FULL_SCALE * self._unity
         self.limit_v = self.value("root") * self.value("u_max")
         self.lambda_a = self.value("a")
         self.extra_ticks = round(self.value("extra_ticks"))
@@ -137,26 +141,33 @@ class Driver:
         self.dead_time_volt_s = lost_s * bus_v if self.value("compensate") else 0.0
         unipolar = not options["modes"] or self.value("mode") == MODE_WORDS[UNIPOLAR]
         self.pulse_s = (1.0 if unipolar else 2.0) * half / device.identification.words["clock_hz"]
-        self._late_s = self._position_late_s()
+        self._late_s = self._position_late_s(layout, made)
         self._shifts = [0 for _ in self._zeros]
         self._shift_a: complex = 0.0
         self._root = 1.0
         self._cell_rad = 1.0
         self.exchange_s = 0.0
 
-    def _position_late_s(self) -> float:
-        """By how much a row's position is younger than the row's end."""
-        identification = self.identification
+    def _layout(self) -> dict[str, int]:
+        """How ticks and frames are laid on the clock: raw words without signs."""
         names = (*_LAYOUT, *FRAME_WORDS)
         raws = self.read([self._places(name)[0] for name in names])
-        words = dict(zip(names, raws, strict=True))
+        return dict(zip(names, raws, strict=True))
+
+    def _frame(self, words: Mapping[str, int]) -> Frame:
+        """The converter's frame."""
+        kind = KINDS[self.identification.options["adc"]]
+        return frame_of_words(words, kind, words["sample_clocks"])
+
+    def _position_late_s(self, words: Mapping[str, int], made: Frame) -> float:
+        """By how much a row's position is younger than the row's end."""
+        identification = self.identification
         lead = self.value("sample_lead")  # which has a sign
-        kind = KINDS[identification.options["adc"]]
         late = position_late_clocks(
             words["half_clocks"] * words["tick_halves"],
             words["samples"],
             round(lead),
-            frame_of_words(words, kind, words["sample_clocks"]),
+            made,
             words["filter_clocks"],
             self._motor,
             identification.options["shaper"],
@@ -251,8 +262,8 @@ class Driver:
     def most_current(self) -> float:
         """Largest test current that the board's settings permit, A."""
         least = _PART_OF_SCALE * self.full_scale_a
-        for name in ("trip", "guard_current"):
-            part = self.value(name) / _FULL_SCALE
+        for name, unity in (("trip", 1.0), ("guard_current", self._unity)):
+            part = self.value(name) / (unity * _FULL_SCALE)
             if 0.0 < part <= 1.0:
                 least = min(least, _PART_OF_TRIP * part * self.full_scale_a)
         heat = self.value("guard_heat")
@@ -461,8 +472,8 @@ class Driver:
         for _ in range(max(1, round(seconds / self.exchange_s))):
             self.value("running")
 
-    def still(self) -> None:
-        """Wait until the rotor stands, or no longer than it may take."""
+    def still(self) -> bool:
+        """Wait until the rotor stands, or no longer than it may take; whether it does."""
         place = self._places("position")[0]
         rest, until = 0.0, LONGEST_STOP_S
         was = place.value(self.read([place])[0])
@@ -472,6 +483,7 @@ class Driver:
             until -= self.exchange_s
             if abs(position - was) > 1:
                 rest, was = 0.0, position
+        return rest >= STILL_S
 
     def fetch(self) -> Segment:
         """The record that was made last."""

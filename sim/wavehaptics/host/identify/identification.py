@@ -26,13 +26,14 @@ def try_signs(
     counts: int,
     tell: Told = lambda _: None,
     show: Shown = lambda _, __: None,
+    current_a: float | None = None,
 ) -> None:
     """Whether current and encoder have the right sign, by the first voltages and pulses alone.
 
     No wall and no anchor is on, so a wrong sign doesn't run away. Errors are :func:`identify`'s.
     """
     with driver:
-        _procedure(driver, Wishes(counts, signs=True), tell, show).record()
+        _procedure(driver, Wishes(counts, current_a, signs=True), tell, show).record()
 
 
 def identify(

@@ -71,6 +71,9 @@ ROOM = 0.25
 EXCHANGES_LATE = 4
 """Exchanges from the end of a record to the end of its pulse."""
 
+STOPS = 8
+"""Waits for a rotor that a sign needs at rest."""
+
 SIGMA = 4.0
 """Spreads that two values may be apart."""
 
@@ -156,6 +159,7 @@ class Steps(ABC, Generic[Constants]):
                 f"{self._offset.sd:.2g} A; take {least:.2g} A or more"
             )
         driver.arm()
+        driver.brake(0.0)
         self._show("zero", 1.0)
         try:
             self._try_signs()
@@ -198,7 +202,7 @@ class Steps(ABC, Generic[Constants]):
     def _step(self, volts: complex, r_hat: float, seconds: float = 0.0) -> Segment:
         """A voltage from rest on."""
         driver, size = self._driver, abs(volts)
-        driver.still()
+        self._stand()
         driver.loop(r_hat, 0.5, size)
         driver.release()
         driver.record(
@@ -207,6 +211,17 @@ class Steps(ABC, Generic[Constants]):
         )  # fmt: skip
         driver.brake(0.0)
         return self._fetched()
+
+    def _stand(self) -> None:
+        """Wait until the rotor stands, whose own back-EMF or way would be taken for a sign."""
+        still = self._driver.still()
+        if self._steps and not self._wishes.signs:
+            return
+        if not still and not any(self._driver.still() for _ in range(STOPS - 1)):
+            raise NotPlausible(
+                "turning", "the rotor doesn't come to rest",
+                "that nothing drives the shaft; let a large inertia stop first, or take it off",
+            )  # fmt: skip
 
     def _fetched(self) -> Segment:
         """The newest record; :class:`HostError` if the rotor has left the room that it has."""
