@@ -604,7 +604,7 @@ def test_a_scene_has_the_boards_modulator_in_the_place_of_its_adc():
         ("fpga.toml", 'part = "AMC1306M25"', 'part = "AMC"',
          "modulator.part = 'AMC' is not known; AMC1306M25, AD7403 are"),
         ("fpga.toml", "shunt_ohm = 0.1\ntrip_a = 2.0", "shunt_ohm = 0.1\ntrip_a = 2.6",
-         "modulator.trip_a is 2.6 A, but the AMC1306M25 clips at 2.5 A"),
+         "modulator.trip_a is 2.6 A, but the AMC1306M25 is linear up to 2.5 A"),
         ("fpga.toml", "[modulator]", "[modulator]\ngain = 2.0",
          "modulator.gain is no key of a board; it has part, shunt_ohm"),
     ],

@@ -180,10 +180,10 @@ def _check(board: Board) -> None:
             f"{bridge.driver} needs {1e9 * bridge.min_pulse_s:g} ns; set it so"
         )
     full_scale_a = adc.full_scale_a
-    made, table = (
-        (f"a gain of {sense.gain:g} at {sense.supply_v:g} V make", "sense")
+    made, table, ends = (
+        (f"a gain of {sense.gain:g} at {sense.supply_v:g} V make", "sense", "clips at")
         if isinstance(sense, Sense)
-        else (f"the {sense.part} make", "modulator")
+        else (f"the {sense.part} make", "modulator", "is linear up to")
     )
     if abs(sense.full_scale_a / full_scale_a - 1) > 0.01:
         raise BoardError(
@@ -192,7 +192,7 @@ def _check(board: Board) -> None:
         )
     if sense.trip_a >= sense.clip_a:
         raise BoardError(
-            f"{file}: {table}.trip_a is {sense.trip_a:g} A, but the {sense.amplifier} clips at "
+            f"{file}: {table}.trip_a is {sense.trip_a:g} A, but the {sense.amplifier} {ends} "
             f"{sense.clip_a:.3g} A, so that it would never trip; lower it"
         )
     _check_sensing(board)

@@ -232,7 +232,7 @@ class BrushedProcedure(steps.Steps[MotorConstants]):
             )  # fmt: skip
         self._tell(f"R: {winding.ohm.value:.4g} ± {winding.ohm.sd:.2g} Ω, with brushes of "
                    f"{winding.drop_v.value:.2g} ± {winding.drop_v.sd:.2g} V")  # fmt: skip
-        self._tell(f"k_T: {1e3 * k_t:.4g} ± {1e3 * spread:.2g} mN·m/A")
+        self._tell(f"k_T: {1e3 * k_t:.4g} ± {1e3 * spread:.2g} mN·m/A; encoder's sign: right")
         self._expect_winding(winding, turn)
         return winding, turn
 
