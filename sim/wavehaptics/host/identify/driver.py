@@ -129,7 +129,7 @@ class Driver:
         layout = self._layout()
         made = self._frame(layout)
         self._unity = made.unity
-        samples = layout["samples"]
+        samples = self.value("samples")
         self.full_scale_a = min(self._gains_a) * samples * _FULL_SCALE * self._unity
         self.limit_v = self.value("root") * self.value("u_max")
         self.lambda_a = self.value("a")

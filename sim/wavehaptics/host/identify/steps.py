@@ -159,7 +159,8 @@ class Steps(ABC, Generic[Constants]):
                 f"{self._offset.sd:.2g} A; take {least:.2g} A or more"
             )
         driver.arm()
-        driver.brake(0.0)
+        if not driver.arms:  # whose rotor has been free
+            driver.brake(0.0)
         self._show("zero", 1.0)
         try:
             self._try_signs()
