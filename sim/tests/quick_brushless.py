@@ -157,12 +157,13 @@ class QuickBrushless:
     def linger(self, seconds: float) -> None:
         self._run(seconds)
 
-    def still(self) -> None:
+    def still(self) -> bool:
         for _ in range(200):
             self._omega *= 0.5
             self._run(1e-3)
             if abs(self._omega) < 1e-2:
-                return
+                return True
+        return False
 
     def place(self) -> float:
         return self._cell * self._count()
