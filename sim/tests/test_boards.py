@@ -511,6 +511,20 @@ def patterns(root: Path = ROOT) -> Board:
     return load_board("ulx3s", root=root, scene_path=scene)
 
 
+def assert_refused(
+    load: Callable[[Path], Board], root: Path, file: str, was: str, now: str, problem: str
+) -> None:
+    """The build refuses the board of a copy in which ``file`` of its folder is changed."""
+    for name in ("boards", "constraints", "rtl"):
+        shutil.copytree(ROOT / name, root / name)
+    path = root / "boards" / "ulx3s" / file
+    text = path.read_text()
+    assert was in text
+    path.write_text(text.replace(was, now))
+    with pytest.raises((BoardError, SceneError), match=re.escape(problem)):
+        synthesis.check_board(load(root))
+
+
 def test_the_line_chooses_between_patterns_that_differ_in_their_word_alone():
     """Not a unipolar bridge, and not without a line; the build looks at both."""
     board = patterns()
@@ -541,14 +555,7 @@ def test_the_line_chooses_between_patterns_that_differ_in_their_word_alone():
     ],
 )
 def test_what_a_pattern_cant_have_is_refused(tmp_path, file, was, now, problem):
-    for name in ("boards", "constraints", "rtl"):
-        shutil.copytree(ROOT / name, tmp_path / name)
-    path = tmp_path / "boards" / "ulx3s" / file
-    text = path.read_text()
-    assert was in text
-    path.write_text(text.replace(was, now))
-    with pytest.raises((BoardError, SceneError), match=re.escape(problem)):
-        synthesis.check_board(patterns(tmp_path))
+    assert_refused(patterns, tmp_path, file, was, now, problem)
 
 
 def test_patterns_with_other_settings_are_refused(monkeypatch):
@@ -610,14 +617,7 @@ def test_a_scene_has_the_boards_modulator_in_the_place_of_its_adc():
     ],
 )  # fmt: skip
 def test_what_a_modulator_cant_have_is_refused(tmp_path, file, was, now, problem):
-    for name in ("boards", "constraints", "rtl"):
-        shutil.copytree(ROOT / name, tmp_path / name)
-    path = tmp_path / "boards" / "ulx3s" / file
-    text = path.read_text()
-    assert was in text
-    path.write_text(text.replace(was, now))
-    with pytest.raises((BoardError, SceneError), match=re.escape(problem)):
-        synthesis.check_board(sigma_delta(tmp_path))
+    assert_refused(sigma_delta, tmp_path, file, was, now, problem)
 
 
 def test_a_wall_of_a_modulators_words():

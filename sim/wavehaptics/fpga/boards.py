@@ -221,8 +221,9 @@ class Board:
     def sense(self) -> Sense | Modulated:
         """What the current comes through: a modulator where the scene names that of the board."""
         modulator, adc = self.fpga.modulator, self.scene.adc
-        modulated = modulator is not None and adc is not None and adc.part == modulator.part
-        return modulator if modulator is not None and modulated else self.fpga.sense
+        if modulator is None or adc is None or adc.part != modulator.part:
+            return self.fpga.sense
+        return modulator
 
     @property
     def converter(self) -> Part | Modulator:
