@@ -107,7 +107,7 @@ def test_limits_of_a_modulators_words():
 
 def test_no_limit_is_more_than_its_word():
     limits = Limits((), energy=1e6, saturated_s=1.0)
-    found = fields_of(settings(limits, 1e-6, Sensor(ideal=False), s=2.0))
+    found = fields_of(settings(limits, 1e-6, Sensor(ideal=False), s=2.0, unity=1.0))
     assert (found["ENERGY"], found["SATURATED"]) == (0xFFFF, 0xFFFF)
 
 
@@ -131,7 +131,7 @@ def test_each_field_has_its_own_number():
         bus_max_v=15.25, rms_a=1.5, winding_s=65.536, stop_level=0, driver_level=1, energy=70.01,
         saturated_s=7e-3,
     )  # fmt: skip
-    word = settings(limits, 1e-6, Sensor(ideal=False, bits=12, full_scale_a=4.0), s=2.0)
+    word = settings(limits, 1e-6, Sensor(ideal=False, bits=12, full_scale_a=4.0), 2.0, 1.0)
     assert fields_of(word) == {
         "MASK": 1 << Fault.CURRENT | 1 << Fault.BUS_LOW,
         "DAMP": 1 << Fault.BUS_LOW,
@@ -157,7 +157,7 @@ def test_each_field_has_its_own_number():
 def test_a_sample_of_the_limits_magnitude_is_beyond_it(full_scale_a, trip_a):
     """wh_guard finds samples above CURRENT, none of which is below the limit."""
     sensor = Sensor(ideal=False, bits=12, full_scale_a=full_scale_a)
-    word = settings(Limits((), current_a=trip_a), 1e-6, sensor, s=2.0)
+    word = settings(Limits((), current_a=trip_a), 1e-6, sensor, s=2.0, unity=1.0)
     code_a = full_scale_a / 2**11
     code = math.ceil(round(trip_a / code_a, 6))  # the first that is no less
     assert (code - 1) << 4 <= fields_of(word)["CURRENT"] < code << 4
@@ -166,7 +166,8 @@ def test_a_sample_of_the_limits_magnitude_is_beyond_it(full_scale_a, trip_a):
 def test_the_ends_of_the_words():
     """A limit beyond the scale is the scale, a time below a tick is a tick."""
     limits = Limits((), current_a=9.0, stop_level=1, zero_s=0.0, lost_s=0.4e-3, winding_s=1.0)
-    found = fields_of(settings(limits, 1e-3, Sensor(ideal=False, bits=16, full_scale_a=4.0), 2.0))
+    sensor = Sensor(ideal=False, bits=16, full_scale_a=4.0)
+    found = fields_of(settings(limits, 1e-3, sensor, 2.0, 1.0))
     assert found["CURRENT"] == 1 << 15
     assert found["RANGE"] == 0x8000 - 2
     assert found["LEVELS"] == 1

@@ -91,7 +91,8 @@ def known(scene: Scene) -> dict[str, object]:
             found[f"ports.settings.{field.name}"] = getattr(ports.settings, field.name)
         found["ports.settings.shaper"] = ports.settings.shaper.words
         limits = guard.board_limits(scene, ports)
-        found["guard"] = guard.settings(limits, set_.tick_s, ports.sensor, set_.s)
+        unity = ports.timing.frame.unity
+        found["guard"] = guard.settings(limits, set_.tick_s, ports.sensor, set_.s, unity)
         if scene.motor.brushless:
             found["magnets"] = magnet_words(scene, set_, ports.start_count)
     except SceneError as refusal:

@@ -176,9 +176,7 @@ def board_limits(
     )
 
 
-def settings(
-    limits: Limits, tick_s: float, sensor: Sensor, s: float, unity: float = 1.0
-) -> int:  # fmt: skip
+def settings(limits: Limits, tick_s: float, sensor: Sensor, s: float, unity: float) -> int:
     """The guard's word for a controller's tick, ADC and s = √(2R̂).
 
     ``unity`` is the sample of full scale, in parts of 2¹⁵.
@@ -187,7 +185,7 @@ def settings(
 
 
 def raw_fields(
-    limits: Limits, tick_s: float, sensor: Sensor, s: float, unity: float = 1.0
+    limits: Limits, tick_s: float, sensor: Sensor, s: float, unity: float
 ) -> dict[str, int]:
     """The raw fields of :func:`settings`."""
     full = 1 << (formats.SAMPLE_W - 1)

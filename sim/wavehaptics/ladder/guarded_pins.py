@@ -56,7 +56,8 @@ class GuardedPins(PinsSimulation):
         return {"GUARD": 1}
 
     def _new_model(self, words: ctypes.Array[ctypes.c_uint32], inputs: int) -> int | None:
-        word = settings(self._limits, self.tick_s, self.sensor, self.settings.s)
+        unity = self.timing.frame.unity
+        word = settings(self._limits, self.tick_s, self.sensor, self.settings.s, unity)
         count = (WIDTH + 31) // 32
         guard = (ctypes.c_uint32 * count)(*(word >> 32 * n & 0xFFFFFFFF for n in range(count)))
         new = self._library.wh_guarded_new
